@@ -1,10 +1,9 @@
-// One local least-squares approximation with polynomials in three variables, solved in five ways on the same
+// Benchmark of five solvers for one local least-squares approximation by trivariate polynomials, on the same
 // neighbourhoods, beside the times of tejada2008, table 6.1.
 //
 //   benchmark_approximation_solvers [NEIGHBOURS=100] [FITS=2000]
 #include <Eigen/Dense>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "timing.h"
 
 using namespace sansmesh;
 using Eigen::Index;
@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Samples around the origin with weights; the approximation is wanted at the origin.
+// Weighted samples around the origin, where the approximation is evaluated.
 struct Neighbourhood {
   std::array<std::vector<double>, 3> x;
   std::vector<double> f, w;
@@ -168,13 +168,11 @@ int main(int argc, char** argv) {
     for (int degree = 2; degree <= 4; ++degree) {
       for (const Neighbourhood& hood : hoods)
         difference = std::max(difference, std::abs(method.value(hood, degree) - by_qr(hood, degree)));
-      double least = 1e300;  // of five runs
-      for (int run = 0; run < 5; ++run) {
-        volatile double sink = 0;
-        const auto start = std::chrono::steady_clock::now();
-        for (std::size_t i = 0; i < fits; ++i) sink = sink + method.value(hoods[i % hoods.size()], degree);
-        least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-      }
+      volatile double sink = 0;
+      const double least = fastest_of(5, [&] {
+                             for (std::size_t i = 0; i < fits; ++i)
+                               sink = sink + method.value(hoods[i % hoods.size()], degree);
+                           }).wall;
       time[degree - 2] = 1e6 * least / static_cast<double>(fits);
     }
     std::printf("| %s | %.1f | %.1f | %.1f | %.2f | %.2f | %.2f | %.0e |\n", method.name, time[0], time[1], time[2],

@@ -1,7 +1,6 @@
-// Displacement maps of 64³ to 256³ points by moving least squares on 15 handles, each kind: seconds, beside those of
-// the thesis (METHODS §7.1, its table 6.2), and how far single precision and the lattice are from the map itself. Then
-// the experiment of its figure 6.12: rotations by plain singular value decomposition jump and flip, those of the
-// library do not.
+// Benchmark of displacement maps of 64³ to 256³ points by moving least squares on 15 handles, for each kind: seconds,
+// beside table 6.2 of tejada2008, 6.4, and errors of single precision and of the lattice. Then the experiment of
+// figure 6.12: rotations by a plain singular value decomposition jump and flip, those of the library do not.
 //
 //   benchmark_deformation [largest size, default 256]
 //   benchmark_deformation picture FILE.png   a plate through both, plain singular values on the left
@@ -10,7 +9,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -30,6 +28,7 @@
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "timing.h"
 
 namespace {
 
@@ -37,11 +36,7 @@ using namespace sansmesh;
 
 constexpr int kRounds = 3;
 
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// 15 handles in −1..1, as figure 6.8 has: most stay, some go up to half a unit.
+/// 15 handles in −1..1 as in figure 6.8: most are fixed, some move up to half a unit.
 std::vector<Handle> fifteen_handles() {
   std::mt19937 random(15);
   std::uniform_real_distribution<double> u(-1, 1);
@@ -57,7 +52,7 @@ struct Row {
   const char* name;
   DeformationKind kind;
   int degree;
-  std::array<double, 6> thesis;  ///< CPU and GPU seconds of 64³, 128³, 256³; 0: not given
+  std::array<double, 6> thesis;  ///< CPU and GPU seconds for 64³, 128³, 256³; 0: not given
 };
 
 void time_maps(std::size_t largest) {
@@ -85,9 +80,10 @@ void time_maps(std::size_t largest) {
       double wall = 1e9, cpu = 1e9, worst = 0;
       for (int round = 0; round < (row.degree == 3 && n > 128 ? 1 : kRounds); ++round) {
         Progress progress;
-        const double from = wall_seconds(), cpu_from = process_cpu_seconds();
+        const Time start = now();
         const DisplacementMap lattice = displacement_map(map, box, {n, n, n}, progress);
-        wall = std::min(wall, wall_seconds() - from), cpu = std::min(cpu, process_cpu_seconds() - cpu_from);
+        const Time time = now() - start;
+        wall = std::min(wall, time.wall), cpu = std::min(cpu, time.cpu);
         if (round > 0 || n > 128) continue;
         std::vector<Vec3> x;
         for (std::size_t i = 0; i < n * n * n; i += 101) {
@@ -109,7 +105,7 @@ void time_maps(std::size_t largest) {
   }
 }
 
-/// Jacobians are found one place at a time.
+/// Times Jacobians, which are evaluated point by point.
 void time_folds() {
   fmt::print("\nDeterminants of Jacobians on 64³ places (find_folds), 15 handles: wall seconds (CPU seconds)\n\n");
   for (const auto& [name, kind] :
@@ -120,14 +116,15 @@ void time_folds() {
     options.kind = kind;
     const MlsDeformation map(fifteen_handles(), options);
     Progress progress;
-    const double from = wall_seconds(), cpu_from = process_cpu_seconds();
+    const Time start = now();
     const FoldReport report = find_folds(map, {{-1, -1, -1}, {1, 1, 1}}, {64, 64, 64}, progress);
-    fmt::print("{}: {:.3f} ({:.3f}); folded {:.2f} % in {} places\n", name, wall_seconds() - from,
-               process_cpu_seconds() - cpu_from, 100 * report.share, report.folds.size());
+    const Time time = now() - start;
+    fmt::print("{}: {:.3f} ({:.3f}); folded {:.2f} % in {} places\n", name, time.wall, time.cpu, 100 * report.share,
+               report.folds.size());
   }
 }
 
-/// Largest jump of a rotation between neighbours of a lattice, and how many rotations mirror.
+/// Largest jump of a rotation between lattice neighbours, and number of reflections.
 struct Noise {
   std::size_t mirrored = 0, jumps = 0;
   double largest = 0;
@@ -135,7 +132,7 @@ struct Noise {
 
 using Turn = detail::Rows3 (*)(const detail::Rows3&);
 
-/// U Vᵀ, by plain singular values: orthogonal, not always a rotation.
+/// U Vᵀ by plain singular values: orthogonal, not always a rotation.
 detail::Rows3 plain_svd(const detail::Rows3& b) {
   Eigen::Matrix3d m;
   for (std::size_t i = 0; i < 3; ++i)
@@ -148,7 +145,7 @@ detail::Rows3 plain_svd(const detail::Rows3& b) {
   return rows;
 }
 
-/// Σ w q̂ p̂ᵀ at a place, with the means.
+/// Σ w q̂ p̂ᵀ at a point, with the means.
 struct Moment {
   detail::Rows3 b{};
   Vec3 q, p;
@@ -229,7 +226,8 @@ class PlainSvdMap : public SpaceMap {
   std::vector<Handle> handles_;
 };
 
-/// A plate with holes, its 15 handles in its middle plane: through rotations by plain singular values, and by ours.
+/// Draws a plate with holes and 15 handles in its middle plane, deformed by rotations from plain singular values and by
+/// ours.
 void draw_noise(const std::string& file) {
   std::vector<Handle> handles = fifteen_handles();
   for (Handle& h : handles) {

@@ -1,16 +1,14 @@
-// Pictures of a volume while it is deformed: frames a second (METHODS §7.1; thesis 6.4.3 on a graphics card).
+// Benchmark of pictures of a volume during deformation: frames per second (tejada2008, 6.4.3, on a graphics card).
 //
 //   benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET] [STEP]
 //
-// VOLUME is baked once, at its own resolution or, where its longest side has fewer than 256 points, resampled to 256
-// before. Then its upper end leans and turns by 15 handles, rigid, in FRAMES (12) poses. A frame is all that a new pose
-// needs: the map with NODES (64) points along the longest side, its picture with what leaps over the empty parts, and
-// SIZE × SIZE (512) pixels, one ray each, in steps of STEP (3) cells. What steps of half the length would change is
-// told, too, in levels of 0..255.
+// VOLUME is baked once, at its own resolution or, if its longest side has fewer than 256 points, resampled to 256
+// first. Then 15 rigid handles lean and rotate its upper end in FRAMES (12) poses. A frame consists of the map with
+// NODES (64) points along the longest side, the structure for empty-space leaping, and SIZE × SIZE (512) pixels, one
+// ray each, in steps of STEP (3) cells. The effect of half the step is reported in levels of 0..255.
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -30,12 +28,13 @@
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
 #include "sansmesh/render/volume/volume_picture.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
 
-/// Eight handles hold the lower half, seven at the upper end turn about its middle as one body.
+/// Eight handles fix the lower half, seven at the upper end rotate about its centre as one body.
 std::vector<Handle> leaning(const Box3& box) {
   constexpr double kAngle = 0.6;
   const Vec3 c = box.center(), s = box.size();
@@ -66,8 +65,15 @@ std::shared_ptr<const VolumeField> field_of(VolumeDataset& data, Progress& progr
   return data.field({data.default_array().name, {}, false}, options, progress);
 }
 
-void run(const std::string& file, int size, std::size_t nodes, int frames, const std::string& preset, double step) {
-  Progress progress;
+/// The volume, baked, and what all pictures of it share.
+struct Subject {
+  std::shared_ptr<const VolumeField> baked;
+  Box3 box;
+  std::vector<Vec3> framed;
+  VolumePictureOptions look;
+};
+
+Subject open_subject(const std::string& file, int size, const std::string& preset, double step, Progress& progress) {
   VolumeDataset data(read_volume(file));
   std::shared_ptr<const VolumeField> field = field_of(data, progress);
   auto samples = data.volume(data.default_array().name, progress);
@@ -85,79 +91,89 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
     samples = finer->volume(finer->default_array().name, progress);
   }
   const ValueHistogram values = value_histogram(*field, 60000, samples->positions);
-  double begin = process_cpu_seconds();
-  BakeOptions bake;
-  const auto baked = std::make_shared<const BakedVolume>(*field, bake, progress);
+  const double begin = process_cpu_seconds();
+  const auto baked = std::make_shared<const BakedVolume>(*field, BakeOptions{}, progress);
   fmt::print("{}: {} samples, baked in {:.2f} CPU s, off by {:.3f} % on average; {} threads\n", file, samples->size(),
              process_cpu_seconds() - begin, 100 * baked->report().error_mean, thread_count());
-
-  VolumePictureOptions look;
+  Subject subject{baked, field->bounds(), {}, {}};
+  VolumePictureOptions& look = subject.look;
   look.picture.view.width = look.picture.view.height = size;
-  look.picture.quality.samples = 1, look.step = step, look.least_light = 0.02;  // while a handle is held
+  look.picture.quality.samples = 1, look.step = step, look.least_light = 0.02;  // settings of interaction with a handle
   look.picture.view.up = UpAxis::z;
   look.picture.view.direction = {40, 20};
   look.picture.view.steady = true;
   look.transfer =
       preset.empty() ? suggest_transfer_function(values, true).function : transfer_function_preset(preset, values);
-  const Box3 box = field->bounds();
-  std::vector<Vec3> framed;
+  const auto& [lower, upper] = subject.box;
   for (int i = 0; i < 8; ++i)
-    framed.push_back(
-        {(i & 1 ? box.upper : box.lower).x, (i & 2 ? box.upper : box.lower).y, (i & 4 ? box.upper : box.lower).z});
-  const std::vector<Handle> handles = leaning(box);
+    subject.framed.push_back({(i & 1 ? upper : lower).x, (i & 2 ? upper : lower).y, (i & 4 ? upper : lower).z});
+  return subject;
+}
+
+/// The map of a pose on a lattice around the deformed box, which `near` receives.
+DisplacementMap map_of_pose(const Subject& s, const std::vector<Handle>& handles, std::size_t nodes, Box3& near,
+                            Progress& progress) {
+  const MlsDeformation backward(handles, {}), forward(reversed(handles), {});
+  std::vector<Vec3> corners(8);
+  forward.map(s.framed, {corners, {}, {}, {}});
+  for (const Vec3& p : corners) near.extend(p);
+  const Vec3 room = Vec3{1, 1, 1} * (0.05 * s.box.diagonal());
+  near = {near.lower - room, near.upper + room};
+  std::array<std::size_t, 3> sizes{};
+  const Vec3 size = near.size();
+  for (std::size_t a = 0; a < 3; ++a)
+    sizes[a] = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(static_cast<double>(nodes) * size[a] /
+                                                                             std::max({size.x, size.y, size.z}))));
+  return displacement_map(backward, near, sizes, progress);
+}
+
+void measure(const Subject& s, bool deformed, std::size_t nodes, int frames, Progress& progress) {
+  const std::vector<Handle> handles = leaning(s.box);
   Image image;
-  for (const bool deformed : {false, true}) {
-    double map = 0, picture = 0, rays = 0, all = 0, wall = 0, evaluations = 0;
-    for (int k = 0; k <= frames; ++k) {
-      const auto clock = std::chrono::steady_clock::now();
-      const double t0 = process_cpu_seconds();
-      std::shared_ptr<const VolumeField> seen = baked;
-      double t1 = t0;
-      if (deformed) {
-        const double share = static_cast<double>(k) / frames;
-        const MlsDeformation backward(handles_at(handles, share), {});
-        const MlsDeformation forward(reversed(handles_at(handles, share)), {});
-        std::vector<Vec3> corners(8);
-        forward.map(framed, {corners, {}, {}, {}});
-        Box3 near;
-        for (const Vec3& p : corners) near.extend(p);
-        const Vec3 room = Vec3{1, 1, 1} * (0.05 * box.diagonal());
-        near = {near.lower - room, near.upper + room};
-        std::array<std::size_t, 3> sizes{};
-        const Vec3 s = near.size();
-        for (std::size_t a = 0; a < 3; ++a)
-          sizes[a] = std::max<std::size_t>(
-              2, static_cast<std::size_t>(std::lround(static_cast<double>(nodes) * s[a] / std::max({s.x, s.y, s.z}))));
-        const auto lattice = std::make_shared<const DisplacementMap>(displacement_map(backward, near, sizes, progress));
-        t1 = process_cpu_seconds();
-        seen = std::make_shared<const DeformedVolume>(baked, lattice, std::nullopt, near);
-      }
-      VolumeSubject subject;
-      subject.field = seen.get();
-      subject.framed = framed;
-      const VolumePicture drawn(std::move(subject), progress);
-      const double t2 = process_cpu_seconds();
-      VolumePictureReport report;
-      image = drawn.render(look, progress, &report);
-      const double t3 = process_cpu_seconds();
-      if (k == 0) continue;  // memory that is touched for the first time
-      map += t1 - t0, picture += t2 - t1, rays += t3 - t2, all += t3 - t0;
-      wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
-      evaluations += static_cast<double>(report.evaluations);
+  double map = 0, picture = 0, rays = 0, all = 0, wall = 0, evaluations = 0;
+  for (int k = 0; k <= frames; ++k) {
+    const Time start = now();
+    const double t0 = start.cpu;
+    std::shared_ptr<const VolumeField> seen = s.baked;
+    double t1 = t0;
+    if (deformed) {
+      Box3 near;
+      const auto lattice = std::make_shared<const DisplacementMap>(
+          map_of_pose(s, handles_at(handles, static_cast<double>(k) / frames), nodes, near, progress));
+      t1 = process_cpu_seconds();
+      seen = std::make_shared<const DeformedVolume>(s.baked, lattice, std::nullopt, near);
     }
-    fmt::print(
-        "{:10} {:6.3f} CPU s a frame ({:.3f} s): map {:.3f}, preparing {:.3f}, rays {:.3f}; {:.2f} M evaluations\n",
-        deformed ? "deformed" : "as it is", all / frames, wall / frames, map / frames, picture / frames, rays / frames,
-        evaluations / frames / 1e6);
-    VolumeSubject last;
-    last.field = baked.get(), last.framed = framed;
-    if (!deformed) {
-      VolumePictureReport report;
-      VolumePicture(last, progress).render(look, progress, &report, true);
-      fmt::print("           steps: {:.2f} levels on average\n", report.step_error_mean);
-    }
-    write_image(deformed ? "deformed_frame.png" : "frame.png", image);
+    VolumeSubject subject;
+    subject.field = seen.get();
+    subject.framed = s.framed;
+    const VolumePicture drawn(std::move(subject), progress);
+    const double t2 = process_cpu_seconds();
+    VolumePictureReport report;
+    image = drawn.render(s.look, progress, &report);
+    const double t3 = process_cpu_seconds();
+    if (k == 0) continue;  // the first run touches new memory
+    map += t1 - t0, picture += t2 - t1, rays += t3 - t2, all += t3 - t0;
+    wall += now().wall - start.wall;
+    evaluations += static_cast<double>(report.evaluations);
   }
+  fmt::print(
+      "{:10} {:6.3f} CPU s a frame ({:.3f} s): map {:.3f}, preparing {:.3f}, rays {:.3f}; {:.2f} M evaluations\n",
+      deformed ? "deformed" : "as it is", all / frames, wall / frames, map / frames, picture / frames, rays / frames,
+      evaluations / frames / 1e6);
+  if (!deformed) {
+    VolumeSubject last;
+    last.field = s.baked.get(), last.framed = s.framed;
+    VolumePictureReport report;
+    VolumePicture(last, progress).render(s.look, progress, &report, true);
+    fmt::print("           steps: {:.2f} levels on average\n", report.step_error_mean);
+  }
+  write_image(deformed ? "deformed_frame.png" : "frame.png", image);
+}
+
+void run(const std::string& file, int size, std::size_t nodes, int frames, const std::string& preset, double step) {
+  Progress progress;
+  const Subject subject = open_subject(file, size, preset, step, progress);
+  for (const bool deformed : {false, true}) measure(subject, deformed, nodes, frames, progress);
 }
 
 }  // namespace

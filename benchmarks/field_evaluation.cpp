@@ -1,8 +1,7 @@
-// Times evaluations of the adaptive partition of unity: fits it to samples of a bumpy ball and evaluates it at points
-// near the surface and anywhere in the box, with and without gradients.
+// Benchmark of evaluations of the adaptive partition of unity: fits samples of a bumpy ball and evaluates the function
+// near the surface and in the whole box, with and without gradients.
 //
 //   benchmark_field_evaluation [SAMPLES=400000] [EVALUATIONS=1000000] [THREADS=all]
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -11,16 +10,11 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_fit.h"
+#include "timing.h"
 
 using namespace sansmesh;
 
 namespace {
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 Vec3 random_direction(std::mt19937_64& random) {
   std::normal_distribution<double> gauss;
@@ -28,7 +22,7 @@ Vec3 random_direction(std::mt19937_64& random) {
   return normalized(v);
 }
 
-/// A ball of radius 1 with bumps of height 0.1, as a function that is zero on it and negative inside.
+/// A ball of radius 1 with bumps of height 0.1: zero on the surface and negative inside.
 double ball(const Vec3& p) { return norm(p) - 1 - 0.1 * std::sin(6 * p.x) * std::sin(6 * p.y) * std::sin(6 * p.z); }
 
 Vec3 ball_gradient(const Vec3& p) {
@@ -39,7 +33,7 @@ Vec3 ball_gradient(const Vec3& p) {
          (2 * h);
 }
 
-/// The point of the ball's surface in a direction: bisection along the ray.
+/// The surface point in a direction, by bisection along the ray.
 Vec3 on_ball(const Vec3& direction) {
   double inside = 0.5, outside = 1.5;
   for (int i = 0; i < 40; ++i) {
@@ -70,7 +64,7 @@ int main(int argc, char** argv) {
   const PointSet points = bumpy_ball(samples);
   Progress progress;
   std::optional<PartitionOfUnity> field;
-  const double fit = seconds_of([&] { field.emplace(fit_partition_of_unity(points, {}, progress)); });
+  const double fit = time_of([&] { field.emplace(fit_partition_of_unity(points, {}, progress)); }).wall;
 
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> offset(-0.02, 0.02), anywhere(-1.2, 1.2);
@@ -81,9 +75,9 @@ int main(int argc, char** argv) {
   std::vector<double> values(evaluations);
   std::vector<Vec3> gradients(evaluations);
   const auto timed = [&](const std::vector<Vec3>& x, bool with_gradients) {
-    return 1e9 / static_cast<double>(evaluations) * seconds_of([&] {
-             field->evaluate(x, values, with_gradients ? std::span<Vec3>(gradients) : std::span<Vec3>());
-           });
+    const Time time =
+        time_of([&] { field->evaluate(x, values, with_gradients ? std::span<Vec3>(gradients) : std::span<Vec3>()); });
+    return 1e9 / static_cast<double>(evaluations) * time.wall;
   };
   std::printf("| what | figure |\n|---|---:|\n");
   std::printf("| fit to %zu samples, %d threads | %.2f s |\n", samples, thread_count(), fit);

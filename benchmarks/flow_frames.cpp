@@ -1,15 +1,14 @@
-// Pictures of flow surfaces: frames a second, without and with streaks (METHODS §5.2: 63.9 and 26.4 on a graphics
-// card).
+// Benchmark of pictures of flow surfaces: frames per second without and with streaks (tejada2008, 5.3: 63.9 and 26.4 on
+// a graphics card).
 //
 //   benchmark_flow_frames [SIZE] [FRAMES]
 //
-// The stream surface of 256 particles on 256 fronts in a tornado, seen from FRAMES (40) sides, SIZE × SIZE (512)
-// pixels. A frame is everything from rays to shaded pixels, one ray a pixel, without shadows; the surface and the tree
-// over it come before.
+// The stream surface of 256 particles on 256 fronts in a tornado, from FRAMES (40) views of SIZE × SIZE (512) pixels. A
+// frame includes everything from rays to shaded pixels, one ray per pixel, without shadows, but neither the surface nor
+// its tree.
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -18,12 +17,11 @@
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/flow_options.h"
 #include "sansmesh/render/surface/picture_surfaces.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void run(int size, int frames) {
   const auto flow = analytic_flow("tornado");
@@ -37,7 +35,8 @@ void run(int size, int frames) {
   for (const FlowPoint& p : surface.points) {
     subject.vectors.emplace_back(p.velocity);
     subject.fronts.push_back(p.front);
-    if (surface.points.size() < 1000 || p.particle % 7 == 0) places.push_back(p.position);  // enough to frame it
+    if (surface.points.size() < 1000 || p.particle % 7 == 0)
+      places.push_back(p.position);  // enough to determine the frame
   }
   RenderOptions picture;
   picture.view.width = picture.view.height = size;
@@ -52,16 +51,16 @@ void run(int size, int frames) {
       FlowLook flow_look;
       flow_look.splats = splats;
       if (!streaks) flow_look.texture.reset();
-      const PictureSurface drawn = DrawnFlow(subject, picture).surface(flow_look);
+      const SceneFactory drawn = DrawnFlow(subject, picture).surface(flow_look);
       std::vector<double> times;
       double cpu = 0, covered = 0;
       for (int k = 0; k <= frames; ++k) {
         picture.view.direction = {360.0 * k / frames, 60};
-        const double begin = seconds(), before = process_cpu_seconds();
+        const Time start = now();
         const Image image = render_surfaces({&drawn, 1}, places, false, picture, progress);
-        if (k == 0) continue;  // the tree
-        times.push_back(seconds() - begin);
-        cpu += process_cpu_seconds() - before;
+        if (k == 0) continue;  // builds the tree
+        const Time time = now() - start;
+        times.push_back(time.wall), cpu += time.cpu;
         for (const Rgba& p : image.pixels) covered += p != image.pixels[0];
       }
       std::sort(times.begin(), times.end());

@@ -1,17 +1,16 @@
-// Surfaces and lines of flows: seconds, particles and points; exact and interpolated insertion.
+// Benchmark of flow surfaces and lines: seconds, particles and points; exact and interpolated insertion.
 //
 //   benchmark_flow_surfaces [seconds|reach|drift|lines [VOLUME]]
 //
-// seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
-// interpolation, the best of five. reach: the same of that lattice and of 17 such steps in time, which are held in
-// memory (200 MB each), on two threads: surfaces a second, for METHODS §5.2. drift: how far the points of a surface are
-// from where their seeds go. lines: 22³ stream lines of two diagonals, with all that is told along them, of the lattice
-// of a tornado of 128³ samples and of the first vectors of a file (by default the Blunt Fin of ../shared/data, where
-// that is), the best of five.
+// seconds: 256 particles on 256 fronts, in analytic flows and in a lattice of 256 × 128 × 256 samples with linear
+// interpolation, best of five. reach: the same in that lattice and in 17 such time steps held in memory (200 MB each),
+// on two threads: surfaces per second (tejada2008, 5.3). drift: distance of the points of a surface from the exact
+// trajectories of their seeds. lines: 22³ stream lines from two diagonals, with all quantities along them, in a tornado
+// of 128³ samples and in the first vectors of a file (default: the Blunt Fin of ../shared/data, if present), best of
+// five.
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -31,6 +30,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "timing.h"
 
 namespace {
 
@@ -38,7 +38,7 @@ using namespace sansmesh;
 
 constexpr const char* kBluntFin = "../shared/data/volumes/plot3d/bluntfinxyz.bin";
 
-/// A flow by formula at a moment, sampled on a lattice; linear between the samples.
+/// An analytic flow at one moment, sampled on a lattice with linear interpolation.
 std::shared_ptr<const VolumeField> sampled(const VectorField& flow, std::array<std::size_t, 3> dims, double moment) {
   GridData data;
   GridBlock& block = data.blocks.emplace_back();
@@ -75,15 +75,8 @@ std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std:
 void time_surface(const std::string& what, const VectorField& flow, const SeedCurve& curve,
                   FlowSurfaceOptions options) {
   Progress progress;
-  double best = 1e9, cpu = 0;
   FlowSurface surface;
-  for (int k = 0; k < 5; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double before = process_cpu_seconds();
-    surface = flow_surface(flow, curve, options, progress);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
-  }
+  const auto [best, cpu] = fastest_of(5, [&] { surface = flow_surface(flow, curve, options, progress); });
   const FlowSurfaceReport& r = surface.report;
   fmt::print(
       "{:44} {:7.3f} s {:7.3f} CPU s {:5.1f}/s {:8} points {:8} triangles {:5} fronts {:6} inserted {:6} removed {:4} "
@@ -161,7 +154,7 @@ void reach() {
     for (const std::string_view integrator : {"dopri5", "euler"}) {
       options.kind = c.kind, options.trace = {};
       options.trace.integrator = integrator;
-      if (integrator == "euler") options.trace.step = 0.01;  // one from front to front
+      if (integrator == "euler") options.trace.step = 0.01;  // one step from front to front
       time_surface(fmt::format("{}, {}", c.name, integrator), *c.field, ground, options);
     }
 }
@@ -220,15 +213,8 @@ void time_lines(const std::string& what, const VectorField& flow) {
   FlowLineOptions options;
   options.length = 2 * flow.bounds().diagonal();
   const Seeds seeds = parse_seeds("box(10648)", flow.bounds());
-  double best = 1e9, cpu = 0;
   PolylineSet lines;
-  for (int k = 0; k < 5; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double before = process_cpu_seconds();
-    lines = flow_lines(flow, seeds.points, options, progress);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
-  }
+  const auto [best, cpu] = fastest_of(5, [&] { lines = flow_lines(flow, seeds.points, options, progress); });
   fmt::print("{:44} {:7.3f} s {:7.3f} CPU s {:8} lines {:9} points\n", what, best, cpu, lines.size(),
              lines.positions.size());
 }

@@ -1,11 +1,9 @@
-// How long an edit of a fitted function and its new mesh take, against fitting and meshing all of it.
+// Benchmark of edits of a fitted function with an update of its mesh, against fitting and meshing everything.
 //
 //   benchmark_function_edit CLOUD [ROUNDS]
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <string>
 #include <vector>
@@ -15,22 +13,11 @@
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh_measures.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
-
-struct Time {
-  double wall = 0, cpu = 0;
-  Time operator-(const Time& o) const { return {wall - o.wall, cpu - o.cpu}; }
-  Time operator+(const Time& o) const { return {wall + o.wall, cpu + o.cpu}; }
-};
-Time now() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return {std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
-          static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec)};
-}
 
 void print(const std::string& what, const Time& t, const Time& whole) {
   std::printf("%-46s %8.3f s wall %8.3f s CPU   1/%-6.1f 1/%-6.1f\n", what.c_str(), t.wall, t.cpu, whole.wall / t.wall,
@@ -57,7 +44,7 @@ void run(const std::string& file, int rounds) {
   print("fit", fit, whole);
   print("mesh", meshing, whole);
 
-  // A ball around a sample that holds about half a percent of the supports.
+  // A ball around a sample with about half a percent of the supports.
   const PartitionData& data = function.field.data();
   const Vec3f middle = data.supports[data.supports.size() / 3].foot;
   std::vector<float> distance;
@@ -77,7 +64,7 @@ void run(const std::string& file, int rounds) {
     std::size_t chosen = 0;
     bool closed = false;
     for (int round = 0; round < rounds; ++round) {
-      FunctionEditor editor({PartitionOfUnity(data), function.place, function.samples, {}, {}, {}});
+      FunctionEditor editor({PartitionOfUnity(data), function.frame, function.samples, {}, {}, {}});
       TriangleMesh before = mesh;
       start = now();
       chosen = editor.apply(edit, progress).chosen;

@@ -1,18 +1,14 @@
-// Times a function file: fitting the function, writing it, reading it again (with and without samples, mapped and
-// gzipped), the first evaluation and the mesh.
+// Benchmark of function files: fitting, writing, reading (with and without samples, mapped and gzipped), the first
+// evaluation and the mesh.
 //
 //   benchmark_function_file [CLOUD] [FOLDER=.] [THREADS=all]
 //
-// CLOUD: any file of points; without one, 400,000 samples of a ball are used. The files written are removed again. The
-// system holds what it has just written in memory: a file that comes from a disk takes as much longer as the disk
-// needs.
-#include <algorithm>
-#include <chrono>
+// CLOUD: any file of points; default: 400,000 samples of a ball. The written files are removed. Reading is measured
+// from the system's cache; from a disk, its transfer time is added.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -22,23 +18,11 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io.h"
+#include "timing.h"
 
 using namespace sansmesh;
 
 namespace {
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The quickest of five: what the work takes, not what else the machine does.
-double best_of(const std::function<void()>& work) {
-  double best = seconds_of(work);
-  for (int i = 1; i < 5; ++i) best = std::min(best, seconds_of(work));
-  return best;
-}
 
 PointSet ball(std::size_t n) {
   PointSet points;
@@ -57,11 +41,11 @@ int main(int argc, char** argv) {
   const ThreadScope threads(argc > 3 ? std::atoi(argv[3]) : 0);
   const std::filesystem::path folder = argc > 2 ? argv[2] : ".";
   PointSet points;
-  const double load = seconds_of([&] { points = argc > 1 ? read_points(argv[1]) : ball(400000); });
+  const double load = time_of([&] { points = argc > 1 ? read_points(argv[1]) : ball(400000); }).wall;
   const std::size_t samples = points.size();
   Progress progress;
   std::optional<FittedFunction> function;
-  const double fit = seconds_of([&] { function.emplace(fit_surface_function(std::move(points), {}, progress)); });
+  const double fit = time_of([&] { function.emplace(fit_surface_function(std::move(points), {}, progress)); }).wall;
   std::printf("| what | seconds | bytes | fit / this |\n|---|---:|---:|---:|\n");
   const auto row = [&](const char* what, double seconds, unsigned long long bytes = 0) {
     if (bytes > 0) {
@@ -79,11 +63,11 @@ int main(int argc, char** argv) {
   for (const Kind& kind : {Kind{"write", "read", ".smf", true}, Kind{"write without samples", "read it", ".smf", false},
                            Kind{"write gzipped", "read it", ".smf.gz", true}}) {
     const std::string file = (folder / (std::string("benchmark_function_file") + kind.ending)).string();
-    const double write = seconds_of([&] { write_fitted_function(file, *function, kind.with_samples); });
+    const double write = time_of([&] { write_fitted_function(file, *function, kind.with_samples); }).wall;
     const auto bytes = std::filesystem::file_size(file);
     row(kind.written, write, bytes);
-    row(kind.read, best_of([&] { read_fitted_function(file); }), bytes);
+    row(kind.read, fastest_of(5, [&] { read_fitted_function(file); }).wall, bytes);
     std::filesystem::remove(file);
   }
-  row("mesh", seconds_of([&] { mesh_function(*function, {}, progress); }));
+  row("mesh", time_of([&] { mesh_function(*function, {}, progress); }).wall);
 }

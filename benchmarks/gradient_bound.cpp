@@ -1,8 +1,8 @@
-// How steep fitted functions get: fits thin shapes of high genus, made and real, and takes ‖∇F‖ at very many points in
-// the domain (where supports reach), near the surface, where the supports' weights are small, and in the whole box.
+// Benchmark of gradients of fitted functions: fits thin shapes of high genus, synthetic and scanned, and samples ‖∇F‖
+// densely in the domain (where supports reach), near the surface, where the weights are small, and in the whole box.
 //
-// Ends with status 1 if a shape is steeper than its bar: of 1000 points of the domain, more than one above kSoundSlope,
-// or above what is known of samples that bound no solid.
+// Exits with status 1 if a shape exceeds its bound: more than one of 1000 points of the domain above kSoundSlope, or
+// above the known value of samples that bound no solid.
 //
 //   benchmark_gradient_bound [--points N] [--only TEXT] [--data FOLDER] [--where]
 #include <cstdio>
@@ -27,12 +27,12 @@ struct Options {
   bool where = false;
 };
 
-/// Shapes whose samples contradict each other, and what 999 of 1000 of their points stay below.
+/// Shapes with contradictory samples, and a bound for 999 of 1000 of their points.
 constexpr std::pair<const char*, double> kSteeper[] = {
     {"oni.pwn", 3.5}, {"soup_chair.obj", 4.5}, {"soup_triangles.stl", 8}};
 int above_bars = 0;
 
-/// Sums over the supports at single points, apart from the library's evaluation.
+/// Sums over the supports at single points, independent of the library's evaluation.
 struct Supports {
   const PartitionData& data;
   BallTree tree;
@@ -91,7 +91,7 @@ Figures figures(const FittedFunction& s, const std::vector<Vec3>& x) {
   return f;
 }
 
-/// Lengths of gradients by central differences over `step`, and how far they are from the analytic ones.
+/// Lengths of gradients by central differences over `step`, and their distance from the analytic ones.
 void differences(const FittedFunction& s, const std::vector<Vec3>& x, double step, double& largest, double& apart) {
   std::vector<Vec3> moved, gradients(x.size());
   std::vector<double> values(x.size());

@@ -1,11 +1,11 @@
-// From how far away the projections onto layers of samples take a point to the right place in one step (METHODS §5.1,
-// figure 5.1 of the source): the predictor alone, the corrector alone, both.
+// Benchmark of the projections onto layers of samples: distance from which one step finds the right point
+// (tejada2008, 5.2, figure 5.1), for the predictor alone, the corrector alone, and both.
 //
 //   benchmark_layer_reach [FILE VALUE]   an isosurface of a volume (default: a ball of radius 16 samples, blurred by
 //                                        one, 2 % of noise)
 //
-// Points of the surface, moved along its normal by a distance to either side; right is who comes to lie within 0.15
-// spacings of the surface there, and no farther than a spacing from the point. Prints a markdown table of shares.
+// Points of the surface are moved along its normal by a distance to either side. A result is right if it is within 0.15
+// spacings of the surface and within one spacing of the point. Prints a markdown table of shares.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -34,7 +34,8 @@ namespace {
 
 using namespace sansmesh;
 
-constexpr double kFarthest = 6;  // spacings that the balls reach, so that the operator is defined wherever it sees
+constexpr double kFarthest =
+    6;  // radius of the balls in spacings, so that the operator is defined everywhere in the test
 
 GridData noisy_ball() {
   constexpr std::size_t kSide = 48;
@@ -57,8 +58,8 @@ GridData noisy_ball() {
   return data;
 }
 
-/// The samples near the isosurface, weighted as volume_surface.cpp does it but for its care for plateaus and for grids
-/// that are not even.
+/// The samples near the isosurface, weighted as in volume_surface.cpp, without its treatment of plateaus and uneven
+/// grids.
 LayerSamples layer_of(const SampledVolume& volume, const std::vector<double>& values, double value) {
   const SampleSlopes slopes(volume, values);
   std::vector<Vec3f> positions;

@@ -1,4 +1,4 @@
-// The tables of the sources (tejada2008, section 4.4.4; polizelli, section 4) on data at hand, beside the default:
+// Tables of the publications (tejada2008, 4.4.4; polizelli, section 4) on available data, beside the default method:
 // times, numbers of functions, shapes of triangles with and without displacement, lengths of gradients, spurious
 // sheets.
 //
@@ -107,14 +107,14 @@ void measure(const std::string& name, const PointSet& cloud, int depth, const Ar
     if (paper) meshing.displacement = 0.9;
     MeshReport report;
     TriangleMesh mesh = mesh_function(function, meshing, progress, &report);
-    // The time is that of one extraction, not of all that is measured.
+    // The time is for one extraction, without the measurements.
     MeshOptions plain = meshing;
     plain.measure_quality = false;
     const Clock meshing_time;
     mesh = mesh_function(function, plain, progress);
     const double mesh_seconds = meshing_time.seconds();
     TriangleMesh own = mesh;
-    move_from_input(own, function.place);
+    move_from_input(own, function.frame);
     const FarPlaces invented = find_invented(own, samples, r.spacing, 200000);
     const FarPlaces lost = find_lost(own, samples, r.spacing, r.noise);
     TriangleMesh reference;
@@ -162,7 +162,7 @@ int main(int argc, char** argv) {
       "aspect ratio | displaced or enhanced | largest ‖∇F‖ | 99.9 %% | near samples | samples off %% | made up %% | "
       "lost %% |\n"
       "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
-  // The stand-ins have the number of samples that the sources name.
+  // The stand-ins have the numbers of samples of the publications.
   struct Cloud {
     const char *file, *name;
     std::size_t sampled;

@@ -1,13 +1,12 @@
-// Pictures straight from samples: seconds a frame beside tables 4.1 and 4.2 and the GPU figures of the thesis
-// (tejada2008, 400 × 300 pixels on a 3.4 GHz CPU and 512 × 512 on a GeForce 8800 Ultra).
+// Benchmark of pictures directly from samples: seconds per frame beside tables 4.1 and 4.2 and the GPU figures of
+// tejada2008 (400 × 300 pixels on a 3.4 GHz CPU and 512 × 512 on a GeForce 8800 Ultra).
 //
 //   benchmark_surface_frames [DATA_FOLDER] [RUNS]
 //
-// DATA_FOLDER holds the models (../shared/data/points); data sets that are missing there are sampled from stand-ins to
-// the same number of points, and the table says so. A frame is everything from rays to shaded pixels, one ray a pixel,
-// without shadows; fitting and the trees over the samples come before, as in the thesis.
+// DATA_FOLDER contains the models (../shared/data/points); missing data sets are replaced by stand-ins with the same
+// number of points, which the table marks. A frame includes everything from rays to shaded pixels, one ray per pixel,
+// without shadows, but neither fitting nor the trees over the samples, as in the thesis.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -18,14 +17,15 @@
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/render/surface/surface_picture.h"
+#include "timing.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 struct Cloud {
-  const char* thesis;   // name and size there
-  const char* file;     // here
-  std::size_t samples;  // of its faces; 0: its vertices
+  const char* thesis;   // name and size in the thesis
+  const char* file;     // our file
+  std::size_t samples;  // number of samples on its faces; 0: its vertices
   const char* note;
 };
 
@@ -81,7 +81,7 @@ std::vector<Row> rows() {
   r.push_back({7, "alexa", "MLS on the GPU", 1 / 2.22, 512, 512});
   r.push_back({8, "kolluri", "Kolluri on the GPU", 1 / 4.36, 512, 512});
   r.push_back({9, "kolluri", "Kolluri on the GPU", 1 / 2.19, 512, 512});
-  // The curvature-driven projection against Alexa's: the thesis says 1.5 to 2.5 times faster.
+  // The curvature-driven projection against Alexa's: the thesis reports a factor of 1.5 to 2.5.
   for (const std::size_t c : {std::size_t{0}, std::size_t{1}, std::size_t{7}})
     r.push_back({c, "curvature", "(Alexa here)", 0, 512, 512});
   return r;
@@ -97,8 +97,6 @@ PointSet load(const std::string& folder, const Cloud& cloud) {
   for (std::size_t i = 0; i < points.size(); i += step) some.positions.push_back(points.positions[i]);
   return some;
 }
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void run(const std::string& folder, int runs) {
   std::printf("%-22s %-10s %9s %8s %6s %11s %11s %8s  %s\n", "cloud", "surface", "pixels", "covered", "evals",
@@ -119,13 +117,10 @@ void run(const std::string& folder, int runs) {
     SurfaceRenderOptions picture;
     picture.picture.view.width = row.width, picture.picture.view.height = row.height;
     picture.plain = true;
-    double best = 1e30;
-    for (int k = 0; k < runs; ++k) {
-      caster.reset_counts();
-      const double start = seconds();
-      render_surface(caster, model.points().positions, nullptr, picture, progress);
-      best = std::min(best, seconds() - start);
-    }
+    const double best = fastest_of(runs, [&] {
+                          caster.reset_counts();
+                          render_surface(caster, model.points().positions, nullptr, picture, progress);
+                        }).wall;
     const CastCounts counts = caster.counts();
     std::string name = row.method;
     if (name == "amls") name += "-" + std::to_string(row.iterations) + (row.sharp ? "#" : "");

@@ -1,18 +1,16 @@
-// Tetrahedra that move by forces: frames a second of each integrator, beside those of the thesis (table 6.3; METHODS
-// §7.2: the explicit ones and implicit Euler on a graphics card of 2006), and of Bullet's soft body.
+// Benchmark of tetrahedral dynamics: frames per second of each integrator, beside tejada2008, 6.4.5, table 6.3 (the
+// explicit ones and implicit Euler on a graphics card of 2006), and beside Bullet's soft body.
 //
 //   benchmark_tetrahedra [FOLDER] [SECONDS] [BULLET]
 //
-// FOLDER (../shared/data/tets) holds the meshes. A frame is a step, all of it but pictures: medians of the first 0.6 s
-// of motion, or of SECONDS (2) of time for each row. Every mesh is made 1 m large, its lowest fifth is fixed, and it
-// has been stretched by a tenth. Vertices weigh 0.2 kg on average, with which the explicit methods are stable with h =
-// 0.001 s at k_s = 3000 N/m and not much beyond, as the source has it. Implicit Euler takes h = 0.01 s and k_s = 30,000
-// N/m; the moduli of elasticity make edges about as stiff. BULLET: the program of peers/bullet_soft_body.cpp, which
-// gets the same meshes with steps of 0.01 s in between (benchmarks/compare_dynamics).
+// FOLDER (../shared/data/tets) contains the meshes. A frame is a step without pictures: medians over the first 0.6 s of
+// motion, or over SECONDS (2) of run time per row. Every mesh is scaled to 1 m, its lowest fifth is fixed, and it is
+// stretched by a tenth. Vertices weigh 0.2 kg on average, for which the explicit methods are stable with h = 0.001 s at
+// k_s = 3000 N/m and not much beyond, as in the thesis. Implicit Euler uses h = 0.01 s and k_s = 30,000 N/m; the
+// elastic moduli make edges about as stiff. BULLET: the program of peers/bullet_soft_body.cpp, which receives the same
+// meshes with steps of 0.01 s (benchmarks/compare_dynamics).
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -28,17 +26,16 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 struct Subject {
   std::string name;
   TetMesh mesh;
-  std::string thesis[4];  ///< frames a second there, in the order of kIntegrators
+  std::string thesis[4];  ///< frames per second in the thesis, in the order of kIntegrators
 };
 
 constexpr const char* kIntegrators[] = {"explicit-euler", "verlet", "velocity-verlet", "implicit-euler"};
@@ -81,11 +78,10 @@ void measure(const Subject& subject, SoftBodyModel model, int integrator, double
   std::vector<double> walls, cpus;
   int iterations = 0;
   try {
-    for (const double begin = seconds();
-         body.time() < 0.6 - 1e-9 && (seconds() - begin < patience || walls.size() < 5);) {
-      const double before = seconds(), used = process_cpu_seconds();
-      iterations += body.step().iterations;
-      walls.push_back(seconds() - before), cpus.push_back(process_cpu_seconds() - used);
+    for (const double begin = now().wall;
+         body.time() < 0.6 - 1e-9 && (now().wall - begin < patience || walls.size() < 5);) {
+      const Time time = time_of([&] { iterations += body.step().iterations; });
+      walls.push_back(time.wall), cpus.push_back(time.cpu);
     }
   } catch (const Error& error) {
     fmt::print("| {} | {} | {} | {} | | | | | {} |\n", subject.name, subject.mesh.tets.size(),
@@ -100,7 +96,7 @@ void measure(const Subject& subject, SoftBodyModel model, int integrator, double
   std::fflush(stdout);
 }
 
-/// Bullet's rows.
+/// Rows of Bullet.
 void measure_peer(const Subject& subject, const std::string& program) {
   const std::string file = (std::filesystem::temp_directory_path() / "benchmark_tetrahedra.txt").string();
   {

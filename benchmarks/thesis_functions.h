@@ -1,4 +1,4 @@
-// The functions on the unit cube that reconstructions of volumes are tried on (METHODS §6.2).
+// Test functions for volume reconstructions on the unit cube (tejada2008, 6.3).
 #pragma once
 
 #include <cmath>

@@ -1,15 +1,15 @@
-// How errors of reconstructions of volumes fall with the spacing: the test functions of METHODS §6.2 on the unit cube,
-// on a sequence of grids of 9, 17, 33 … points along an axis, at the samples and at random places between them. The
-// first says little about the second.
+// Benchmark of the convergence of volume reconstructions: the test functions of tejada2008, 6.3 on the unit cube, on
+// grids of 9, 17, 33 … points per axis, at the samples and at random points between them. Errors at the samples do not
+// predict errors between them.
 //
 //   benchmark_volume_convergence [OPTION...]
 //
-//   --methods=A,B     all that there are by default; those that a grid does not suit are left out
+//   --methods=A,B     default: all; methods that do not support a grid are left out
 //   --grids=A,B       of lattice, stretched, layers (stretched and bent), tets; all by default
-//   --levels=N        grids of a sequence, 1..5; 3 by default
-//   --count=N         places between samples, and samples, at most; 20,000 by default
+//   --levels=N        number of grids in a sequence, 1..5; default: 3
+//   --count=N         points between samples, and samples, at most; default: 20,000
 //
-// Orders are the logarithms to base 2 of the ratios of one row's mean error to the next one's.
+// Orders are base-2 logarithms of the ratio of mean errors in successive rows.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ std::vector<std::string> split(std::string_view text) {
 }
 
 GridData grid_of(const std::string& name, std::size_t n, Function f) {
-  // The whole sequence is the same map of the cube: steps grow eightfold from one end to the other on every grid.
+  // All grids use the same map of the cube: spacings grow by a factor of eight from one end to the other.
   const double growth = std::pow(8, 1 / static_cast<double>(n - 2));
   if (name == "lattice") return test::lattice_grid({n, n, n}, f);
   if (name == "stretched") return test::stretched_grid({n, n, n}, f, growth);

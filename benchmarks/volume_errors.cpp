@@ -1,19 +1,19 @@
-// Errors of reconstructions of volumes between the samples: the test functions of the thesis on the samples of a grid,
-// asked for at random places of its inside, beside the grid's own linear interpolation.
+// Benchmark of errors of volume reconstructions between the samples: test functions of the thesis sampled on a grid and
+// evaluated at random interior points, beside the grid's own linear interpolation.
 //
 //   benchmark_volume_errors [OPTION...] FILE...|GRID...
 //
 //   FILE              a volume; several files joined by '+' are its blocks
-//   GRID              made up: lattice, stretched, bent, layers, o-grid, tets, o-tets, mixed, scattered, amr,
-//   overlapping
-//   --methods=A,B     all that there are by default; linear always comes first
-//   --cells           samples in cells; at their corners by default
-//   --tets            cells of structured grids cut into tetrahedra
-//   --count=N         places, 100,000 by default
-//   --by-cells        places at random in random cells, so that small cells count as much as large ones
-//   --size=N          points along an axis of grids that are made up, 20 by default
+//   GRID              synthetic: lattice, stretched, bent, layers, o-grid, tets, o-tets, mixed, scattered, amr,
+//                     overlapping
+//   --methods=A,B     default: all; linear is always first
+//   --cells           samples in cells; default: at their corners
+//   --tets            split cells of structured grids into tetrahedra
+//   --count=N         query points; default: 100,000
+//   --by-cells        random points in random cells, so that small cells have the same weight as large ones
+//   --size=N          points per axis of synthetic grids; default: 20
 //
-// Coordinates are normalised by the bounding box. Errors are mean and largest ones, and as shares of those of linear.
+// Coordinates are normalised by the bounding box. Errors are mean and maximum, also relative to linear interpolation.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Times of what is done with a volume once it is read: what benchmarks/volume_reach puts beside VTK's.
+// Benchmark of operations on a volume after reading, for the comparison with VTK in benchmarks/volume_reach.
 //
 //   benchmark_volume_reach frames FILE... ARRAY METHOD   pictures of 512 × 512 pixels, one ray a pixel: direct ones,
 //   the
@@ -14,7 +14,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -29,24 +28,13 @@
 #include "sansmesh/render/volume/volume_picture.h"
 #include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/volume_boundary.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
 
-struct Spent {
-  double wall = 0, cpu = 0;
-};
-
-template <class Work>
-Spent timed(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  const double cpu = process_cpu_seconds();
-  work();
-  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), process_cpu_seconds() - cpu};
-}
-
-/// Resident bytes now, and at the most so far.
+/// Resident bytes, and their maximum so far.
 double resident() {
   std::ifstream statm("/proc/self/statm");
   double pages = 0;
@@ -58,7 +46,7 @@ double peak() {
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
-/// Lets the peak begin anew.
+/// Resets the maximum.
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 double peak_since() {
   std::ifstream status("/proc/self/status");
@@ -90,7 +78,7 @@ struct Volume {
 void frames(Volume& volume) {
   std::shared_ptr<const VolumeField> field;
   ReconstructionReport report;
-  const Spent fit = timed([&] { field = volume.field(&report); });
+  const Time fit = time_of([&] { field = volume.field(&report); });
   TriangleMesh boundary;
   if (!volume.samples->lattice) boundary = volume_boundary(*volume.samples);
   VolumePictureOptions options;
@@ -99,22 +87,22 @@ void frames(Volume& volume) {
   const auto picture_of = [&](const VolumeField& shown) {
     VolumeSubject subject;
     subject.field = &shown;
-    subject.places = volume.samples->positions;
+    subject.samples = volume.samples->positions;
     if (!boundary.triangles.empty()) subject.boundary = &boundary;
     return std::make_unique<VolumePicture>(std::move(subject), volume.progress);
   };
   struct Frames {
-    Spent before, first, best;
+    Time before, first, best;
     VolumePictureReport report;
   };
   const auto run = [&](const VolumeField& shown, const VolumePictureOptions& how) {
     Frames f;
     std::unique_ptr<VolumePicture> picture;
-    f.before = timed([&] { picture = picture_of(shown); });
-    f.first = timed([&] { picture->render(how, volume.progress, &f.report); });
+    f.before = time_of([&] { picture = picture_of(shown); });
+    f.first = time_of([&] { picture->render(how, volume.progress, &f.report); });
     f.best = {1e300, 1e300};
     for (int k = 0; k < 5; ++k) {
-      const Spent s = timed([&] { picture->render(how, volume.progress); });
+      const Time s = time_of([&] { picture->render(how, volume.progress); });
       f.best = {std::min(f.best.wall, s.wall), std::min(f.best.cpu, s.cpu)};
     }
     return f;
@@ -122,10 +110,10 @@ void frames(Volume& volume) {
   const Frames direct = run(*field, options);
   std::unique_ptr<BakedVolume> baked;
   BakeOptions bake;
-  bake.places = volume.samples->positions;
-  const Spent baking = timed([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
+  bake.samples = volume.samples->positions;
+  const Time baking = time_of([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
   VolumePictureOptions quick = options;
-  quick.step = 1.5, quick.least_light = 0.01;  // as --baked has them
+  quick.step = 1.5, quick.least_light = 0.01;  // settings of --baked
   quick.transfer = direct.report.transfer;
   const Frames interactive = run(*baked, quick);
 
@@ -165,12 +153,12 @@ void probe(Volume& volume, const std::string& points, const std::string& out) {
   file.read(reinterpret_cast<char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof(Vec3)));
   if (!file) throw FileError(points, "cannot be read");
   std::shared_ptr<const VolumeField> field;
-  const Spent fit = timed([&] { field = volume.field(); });
+  const Time fit = time_of([&] { field = volume.field(); });
   const std::size_t c = field->components();
   std::vector<double> values(x.size() * c);
   std::vector<std::uint8_t> inside(x.size());
-  const Spent first = timed([&] { field->evaluate(x, {values, {}, inside}); });
-  const Spent again = timed([&] { field->evaluate(x, {values, {}, inside}); });
+  const Time first = time_of([&] { field->evaluate(x, {values, {}, inside}); });
+  const Time again = time_of([&] { field->evaluate(x, {values, {}, inside}); });
   std::ofstream(out, std::ios::binary)
       .write(reinterpret_cast<const char*>(values.data()),
              static_cast<std::streamsize>(values.size() * sizeof(double)));
@@ -183,11 +171,11 @@ void probe(Volume& volume, const std::string& points, const std::string& out) {
 
 void memory(const std::vector<std::string>& files, const std::string& array, const std::string& method) {
   std::unique_ptr<Volume> volume;
-  const Spent reading = timed([&] { volume = std::make_unique<Volume>(files, array, method); });
+  const Time reading = time_of([&] { volume = std::make_unique<Volume>(files, array, method); });
   const double read_peak = peak(), data = resident();
   forget_peak();
   std::shared_ptr<const VolumeField> field;
-  const Spent fit = timed([&] { field = volume->field(); });
+  const Time fit = time_of([&] { field = volume->field(); });
   const double fitted = resident(), fit_peak = peak_since();
   const Box3 box = volume->samples->bounds();
   std::vector<Vec3> x(100000);
@@ -196,7 +184,7 @@ void memory(const std::vector<std::string>& files, const std::string& array, con
     x[i] = volume->samples->position(k) * 0.999 + box.center() * 0.001;
   }
   std::vector<double> values(x.size() * field->components());
-  const Spent ask = timed([&] { field->evaluate(x, {values}); });
+  const Time ask = time_of([&] { field->evaluate(x, {values}); });
   const auto n = static_cast<double>(volume->samples->size());
   fmt::print(
       R"({{"samples":{},"cells":{},"read_cpu":{:.2f},"read_peak_mb":{:.0f},"data_mb":{:.0f},"data_bytes":{:.0f},"fit_cpu":{:.2f},"fit_wall":{:.2f},"field_bytes":{:.0f},"fit_peak_bytes":{:.0f},"peak_mb":{:.0f},"ask_cpu":{:.3f}}})"

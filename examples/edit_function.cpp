@@ -1,4 +1,4 @@
-// A function as an asset: fitted once, kept in a file, looked over, mended, and its mesh brought up to date.
+// A function as an asset: fits it, stores it in a file, diagnoses and repairs it, and updates its mesh.
 #include <cstdio>
 
 #include "sansmesh/functions.h"
@@ -18,11 +18,12 @@ int main(int argc, char** argv) {
     const SurfaceFunction function = read_function(argv[2]);
     const TriangleMesh mesh = mesh_of_function(function, {}, progress).mesh;
 
-    // Where does it look suspicious?
+    // Find doubtful regions.
     const Diagnosis diagnosis = diagnose(function, {}, progress).diagnosis;
     std::printf("%zu suspicious places, largest gradient %.2f\n", diagnosis.places.size(), diagnosis.largest_gradient);
 
-    // Planes in a ball around the first vertex, a tenth of the shape wide. The mesh is made anew only there.
+    // Replace the fits in a ball around the first vertex, a tenth of the shape wide, by planes. Only that part is
+    // meshed again.
     Edit flatten;
     flatten.select.ball = {mesh.origin + Vec3(mesh.vertices[0]), 0.05 * Vec3(bounds(mesh).size()).y};
     flatten.action = SetDegree{1};

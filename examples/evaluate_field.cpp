@@ -1,4 +1,4 @@
-// A field that can be evaluated anywhere: fit a function to oriented points and ask it for distances and normals.
+// Evaluation of a field: fits a function to oriented points and evaluates distances and normals.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -9,7 +9,7 @@
 using namespace sansmesh;
 
 int main() {
-  // Samples of the unit sphere, spread evenly along a spiral, with their normals.
+  // Samples of the unit sphere along a spiral, with their normals.
   PointSet sphere;
   const int count = 20000;
   for (int i = 0; i < count; ++i) {
@@ -21,7 +21,7 @@ int main() {
   Progress progress;
   const std::shared_ptr<const ScalarField> field = fit_function(sphere, {}, progress).function.field();
 
-  // One call answers a whole batch; gradients are optional. Negative is inside.
+  // One call evaluates a batch; gradients are optional. Negative values are inside.
   const std::array<Vec3, 3> x{Vec3{0.99, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1.01}};
   std::array<double, 3> values;
   std::array<Vec3, 3> gradients;

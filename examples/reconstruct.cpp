@@ -1,4 +1,4 @@
-// From a scan to a mesh: read, reconstruct, write.
+// Reads a scan, reconstructs a mesh and writes it.
 //
 //   example_reconstruct SCAN MESH
 #include "sansmesh/reconstruct.h"

@@ -1,6 +1,6 @@
-// Whatever cloud comes out of a reader, the steps of `info`, `normals` and `reconstruct` end with finite numbers and
-// with the mesh that they promise, or with an error of one line. The input is a shape with a few hundred samples and
-// changes of single ones, so that few bytes make clouds that are not noise.
+// Fuzz target: for any cloud from a reader, the steps of `info`, `normals` and `reconstruct` end with finite numbers
+// and a valid mesh, or with a one-line error. The input is a shape with a few hundred samples and changes of single
+// samples, so that few bytes make clouds that are not noise.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -16,7 +16,7 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/reconstruct.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -34,7 +34,7 @@ struct Sample {
   Vec3 place, normal;
 };
 
-/// Sample `i` of `n` of one of a few shapes that are about 1 large.
+/// Sample `i` of `n` of one of several shapes of size about 1.
 Sample sample_of(std::size_t shape, std::size_t i, std::size_t n) {
   constexpr double kGolden = 2.399963229728653;
   const double t = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
@@ -66,7 +66,7 @@ Sample sample_of(std::size_t shape, std::size_t i, std::size_t n) {
   }
 }
 
-/// The cloud as a reader makes it of these places; they may be anything. Throws FileError.
+/// The cloud as a reader makes it of arbitrary positions. Throws FileError.
 PointSet read_cloud(ByteReader& in, const std::string& name, ReadReport& report) {
   const std::size_t shape = in.below(9), n = 1 + in.take<std::uint16_t>() % kMostPoints;
   const std::size_t normals = in.below(5);
@@ -114,7 +114,7 @@ PointSet read_cloud(ByteReader& in, const std::string& name, ReadReport& report)
   return points;
 }
 
-/// Runs the steps of `info`. Throws nothing.
+/// Runs the steps of `info`, which must not throw.
 void inform(const PointSet& points) {
   demand(count_unique(points) <= points.size(), "more different points than points");
   classify_shape(points);
@@ -129,7 +129,7 @@ void inform(const PointSet& points) {
     demand(share >= 0 && share <= 1 + 1e-9, "a share of the normals is no share");
   first_known_orientation(points, noise.deviation);
   for (const OrientBy by : kOrientationOrder)
-    for (const Vec3f& sight : find_own_sights(points, by, noise.deviation))
+    for (const Vec3f& sight : find_own_sensor_directions(points, by, noise.deviation))
       demand(is_finite(sight), "a direction to where a sample was seen from is not finite");
 }
 
@@ -191,7 +191,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const auto [mesh, made, notes] = reconstruct(std::move(points), options, progress);
       check_mesh(mesh, !options.other_surface() && !made.open);
       demand(std::isfinite(made.spacing) && std::isfinite(made.noise) && std::isfinite(made.mesh_error) &&
-                 std::isfinite(made.behind) && std::isfinite(made.open_share) && std::isfinite(made.lost),
+                 std::isfinite(made.mean_winding_number) && std::isfinite(made.open_share) && std::isfinite(made.lost),
              "a number of the report is not finite");
       for (const Note& note : notes) fuzz::check_message(note.text);
     });

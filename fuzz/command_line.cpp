@@ -1,5 +1,5 @@
-// Whatever words follow the tool's name, the table of commands and options takes them or says in one line what is wrong
-// with them. No command is run. The words stand between line ends; new ones come from the table itself.
+// Fuzz target: the parser accepts any command line or rejects it with a one-line error. No command is run. Words are
+// separated by line ends; the mutator takes new ones from the table of options.
 #include <algorithm>
 #include <random>
 #include <string>
@@ -19,7 +19,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 namespace {
 
-/// The whole tool, new for each input: options keep what they were given.
+/// The whole tool, created for each input, since options keep their values.
 struct Tool {
   CommonArguments common;
   CommandLine line{"Surfaces and volumes straight from samples.", "sansmesh"};
@@ -31,7 +31,7 @@ std::vector<std::string> words_of(std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     words.emplace_back(text.substr(0, end));
-    std::erase(words.back(), '\0');  // which no word of a command line can have
+    std::erase(words.back(), '\0');  // not possible in words of a command line
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return words;
@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const ParsedLine parsed = parse_line(tool.line, words_of({reinterpret_cast<const char*>(data), size}));
     fuzz::demand(parsed.command != nullptr, "no command");
     at = parsed.command;
-    if (parsed.wish == ParsedLine::Wish::help) fuzz::demand(!help_text(*at).empty(), "no help");
+    if (parsed.action == ParsedLine::Action::help) fuzz::demand(!help_text(*at).empty(), "no help");
   } catch (const UsageError& error) {
     fuzz::demand(error.command != nullptr, "an error of no command");
     if (error.bare) fuzz::demand(!short_help(*error.command).empty(), "no help");

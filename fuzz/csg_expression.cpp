@@ -1,5 +1,5 @@
-// Whatever text stands for a solid, parsing it ends with a field that does as it says, or with an error of one line.
-// Texts of a few primitives become meshes as well.
+// Fuzz target: parsing any solid expression yields a consistent field, or a one-line error. Expressions of a few
+// primitives are meshed too.
 #include <array>
 #include <cmath>
 #include <string>
@@ -17,7 +17,7 @@ using fuzz::demand;
 
 namespace {
 
-/// A field that is no solid of primitives: a wavy ball, as a file might hold.
+/// A field that is no primitive: a wavy ball, like a field from a file.
 class WavyBall : public ScalarField {
  public:
   Box3 bounds() const override { return {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}}; }
@@ -43,7 +43,7 @@ std::vector<Vec3> places_of(const Box3& box) {
   return places;
 }
 
-/// Values and gradients are finite, and do not depend on the batch; pieces and ranges agree with them.
+/// Values and gradients are finite and independent of the batch; pieces and ranges agree with them.
 void check_values(const Solid& solid) {
   const std::vector<Vec3> places = places_of(solid.bounds());
   const std::size_t n = places.size();

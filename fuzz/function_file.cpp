@@ -1,6 +1,5 @@
-// Whatever bytes a function file holds, reading it ends with a function or a FileError, and a function that was read
-// can be used: every value is a number. The bytes are read as they are, and once more with their checksums made right,
-// so that what the checksums guard is fuzzed as well.
+// Fuzz target: reading any bytes as a function file yields a usable function with finite values, or a FileError. The
+// bytes are read unchanged and with corrected checksums, so that the checks behind the checksums are fuzzed too.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -46,7 +45,7 @@ void use(const FittedFunction& function) {
 }
 
 void read(const std::string& bytes) {
-  // Aligned like a mapped file; exactly as long, so that the address sanitizer sees each byte beyond its end.
+  // Aligned like a mapped file, and of exact length, so that the address sanitizer detects reads beyond the end.
   const std::shared_ptr<void> owner(::operator new (std::max<std::size_t>(1, bytes.size()), std::align_val_t{64}),
                                     [](void* p) { ::operator delete (p, std::align_val_t{64}); });
   std::memcpy(owner.get(), bytes.data(), bytes.size());
@@ -70,8 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-/// Half of the mutations change one section and pack the file anew: another length of the description, say, moves all
-/// that follows.
+/// Half of the mutations change one section and repack the file, since a changed length moves all following sections.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most,
                                                unsigned int seed) {
   std::mt19937 random(seed);

@@ -1,6 +1,6 @@
-// Whatever bytes a file of points or a mesh holds, reading it ends with points whose arrays fit together, or with a
-// FileError of one printable line. The first byte chooses the format, those with a source of their own after the
-// others: a reader sees what it would never get through the choice by content.
+// Fuzz target: reading any file of points or meshes yields points with consistent arrays, or a FileError of one
+// printable line. The first byte selects the format, so that each reader also sees content that detection would not
+// give it.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,7 +26,7 @@ static std::vector<Reader> all_readers() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::vector<Reader> readers = all_readers();
   static const std::string name = "fuzz.file";
-  if (size < 2) return 0;  // readers are never given nothing
+  if (size < 2) return 0;  // readers never see empty content
   const ThreadScope one(1);
   const fuzz::ExactBytes bytes(data + 1, size - 1);
   ReadReport report;

@@ -1,6 +1,6 @@
-// Whatever bytes the header of an image, of a PLOT3D, Nek5000, NetCDF or ADF file holds, or a mesh of Gmsh, Medit,
-// TetGen or Vega, reading it ends with blocks whose arrays fit together, or with an error of one printable line. The
-// first byte chooses the format, of meshes the second.
+// Fuzz target: reading any image header, PLOT3D, Nek5000, NetCDF or ADF file, or mesh of Gmsh, Medit, TetGen or Vega,
+// yields blocks with consistent arrays, or an error of one printable line. The first byte selects the format, the
+// second the format of meshes.
 #include <algorithm>
 #include <string>
 
@@ -27,7 +27,7 @@ GridData read_mesh_of_cells(const io::Input& in, char format) {
     default:
       break;
   }
-  // TetGen's two files with a zero between.
+  // TetGen's two files, separated by a zero byte.
   const std::size_t end = std::min(in.bytes.find('\0'), in.bytes.size());
   const io::Input nodes{in.file, in.bytes.substr(0, end), in.report};
   const io::Input cells{in.file, in.bytes.substr(std::min(end + 1, in.bytes.size())), in.report};
@@ -37,7 +37,7 @@ GridData read_mesh_of_cells(const io::Input& in, char format) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  // Data files that a header names are looked for where there are none.
+  // Data files named in a header are searched for in a folder that does not exist.
   static const std::string name = "/nonexistent-folder/fuzz.file";
   if (size < 2) return 0;
   const ThreadScope one(1);

@@ -1,4 +1,4 @@
-// Shared by all fuzz targets: demands, bytes that are read as numbers, and what holds of errors and of data.
+// Common parts of fuzz targets: assertions, conversion of bytes to numbers, checks of errors and data.
 #pragma once
 
 #include <algorithm>
@@ -22,14 +22,14 @@
 
 namespace sansmesh::fuzz {
 
-/// Ends the process, which the fuzzer counts as a crash.
+/// Aborts the process, which the fuzzer counts as a crash.
 inline void demand(bool ok, std::string_view what) {
   if (ok) return;
   std::fprintf(stderr, "fuzz: %.*s\n", static_cast<int>(what.size()), what.data());
   std::abort();
 }
 
-/// A message is one printable line, and not as long as a file.
+/// Checks that a message is one printable line of limited length.
 inline void check_message(std::string_view what) {
   if (!what.empty() && what.size() < 5000 && test::is_clean(what)) return;
   std::fprintf(stderr, "the message: %.*s\n", static_cast<int>(what.size()), what.data());
@@ -41,7 +41,7 @@ inline void check_report(const ReadReport& report) {
   for (const std::string& what : report.unread) check_message(what);
 }
 
-/// Runs it; returns whether it came to an end. Else it threw an error of this library, and one that may be shown.
+/// Calls `run`; returns false if it threw an error of this library, whose message is checked.
 template <class Run>
 bool ends_well(Run&& run) {
   try {
@@ -53,7 +53,7 @@ bool ends_well(Run&& run) {
   }
 }
 
-/// A copy that is exactly as long, so that the address sanitizer sees each byte beyond its end.
+/// A copy of exact length, so that the address sanitizer detects reads beyond the end.
 class ExactBytes {
  public:
   ExactBytes(const std::uint8_t* data, std::size_t size) : bytes_(new char[size]), size_(size) {
@@ -66,7 +66,7 @@ class ExactBytes {
   std::size_t size_;
 };
 
-/// The bytes of an input as numbers, one after the other; zeros beyond its end.
+/// Reads numbers from an input; zeros beyond its end.
 class ByteReader {
  public:
   ByteReader(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
@@ -81,16 +81,16 @@ class ByteReader {
     data_ += n, left_ -= n;
     return value;
   }
-  /// 0..count−1.
+  /// A number in 0..count−1.
   std::size_t below(std::size_t count) { return take<std::uint8_t>() % count; }
   bool flag() { return take<std::uint8_t>() % 2 == 1; }
-  /// A length of any size: usual ones, and such as overflow or vanish when they are squared. Positive.
+  /// A positive length of any magnitude, often usual ones, and some whose squares overflow or vanish.
   double scale() {
     constexpr int exponents[] = {0, 0,  0,  0,   0,  0,   1,  -1,  3,   -3,   6,   -6,
                                  9, -9, 15, -15, 30, -30, 37, -40, 150, -150, 307, -307};
     return std::pow(10.0, exponents[below(std::size(exponents))]);
   }
-  /// A number of one byte, two, four or eight, so that all sorts of numbers are a few changes of bytes away.
+  /// A number from one, two, four or eight bytes, so that all kinds of numbers are a few byte changes apart.
   double number() {
     switch (below(6)) {
       case 0:
@@ -120,7 +120,7 @@ class ByteReader {
   std::size_t left_;
 };
 
-/// Checks a cloud or mesh as readers make them.
+/// Checks a cloud or mesh from a reader.
 inline void check_points(const PointSet& p) {
   const std::size_t n = p.size();
   const auto fits = [n](std::size_t size) { return size == 0 || size == n; };
@@ -138,7 +138,7 @@ inline void check_points(const PointSet& p) {
     for (const std::uint32_t v : t) demand(v < n, "a triangle of points that are not there");
 }
 
-/// Of blocks as readers make them.
+/// Checks blocks from a reader.
 inline void check_grid(const GridData& data) {
   demand(!data.blocks.empty(), "no blocks");
   for (const GridBlock& b : data.blocks) {

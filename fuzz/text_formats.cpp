@@ -1,6 +1,5 @@
-// Whatever stands in a text that the library reads (scripts, tables, alignments, words of options), reading it ends
-// with numbers that can be used, or with an error of one line; what is written of it reads back the same. The first
-// byte chooses the format.
+// Fuzz target: reading any text of a small format (scripts, tables, alignments, option values) yields usable numbers or
+// a one-line error, and written text reads back the same. The first byte selects the format.
 #include <cmath>
 #include <map>
 #include <string>
@@ -29,7 +28,7 @@ using fuzz::demand;
 
 namespace {
 
-// Files that a text names are looked for where there are none.
+// Files named in a text are searched for in a folder that does not exist.
 const std::string kFile = "/nonexistent-folder/fuzz.file";
 
 bool is_color(const Vec3f& c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; }
@@ -95,7 +94,7 @@ void read_map(const std::string& text) {
   for (const Vec3& v : {map.x, map.y, map.z, map.shift}) demand(is_finite(v), "a matrix is not finite");
 }
 
-/// What stands in one word of a command line.
+/// Reads one word of a command line.
 void read_word(const std::string& text, std::size_t which) {
   switch (which) {
     case 0: {

@@ -1,6 +1,6 @@
-// Whatever volume comes out of a reader, `info`, `probe`, `isosurface` and `render` of it end with finite numbers, or
-// with an error of one line. The input is a small grid of one of the kinds that there are, with a formula for values,
-// and changes of single places and values.
+// Fuzz target: for any volume from a reader, `info`, `probe`, `isosurface` and `render` end with finite numbers or with
+// a one-line error. The input is a small grid of one of the supported kinds, with a formula for values and changes of
+// single positions and values.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -32,7 +32,7 @@ struct Grid {
   }
 };
 
-/// Every box of the grid as cells of one shape, or of all shapes in turn.
+/// Adds every box of the grid as cells of one shape, or of all shapes in turn.
 void add_cells(GridBlock& block, const Grid& g, std::size_t shape) {
   std::size_t box = 0;
   for (std::size_t k = 0; k + 1 < g.n[2]; ++k)
@@ -83,7 +83,7 @@ double value_of(std::size_t formula, const Vec3& u) {
   }
 }
 
-/// Single values, places and corners become others, as long as there are bytes.
+/// Changes single values, positions and corners until the bytes are used up.
 void change_some(ByteReader& in, GridBlock& block, std::vector<double>& values) {
   const std::size_t n = values.size();
   for (std::size_t change = 0; change < kMostChanges && !in.at_end(); ++change) {
@@ -109,7 +109,7 @@ void change_some(ByteReader& in, GridBlock& block, std::vector<double>& values) 
   }
 }
 
-/// The array "s" of points or cells, of one type or another.
+/// Sets the array "s" of points or cells, with one of several types.
 void set_values(GridBlock& block, std::vector<double> values, double amplitude, std::uint8_t bits) {
   const bool of_cells = (bits & 8) != 0 && !block.cells.empty();
   if (of_cells) {
@@ -129,7 +129,7 @@ void set_values(GridBlock& block, std::vector<double> values, double amplitude, 
   }
 }
 
-/// With an array "s" of points or cells. Places and values may be anything where its kind allows it.
+/// A block with an array "s" of points or cells. Positions and values are arbitrary where the kind of grid allows it.
 GridBlock block_of(ByteReader& in, std::size_t number) {
   GridBlock block;
   Grid grid;
@@ -166,7 +166,7 @@ GridBlock block_of(ByteReader& in, std::size_t number) {
   return block;
 }
 
-/// What `info` says.
+/// Runs the steps of `info`.
 void inform(const SampledVolume& volume, const VolumeDataset& dataset) {
   const VolumeFacts& f = volume.facts;
   const Box3 box = volume.bounds();
@@ -200,7 +200,7 @@ void probe(const SampledVolume& volume, const VolumeField& field) {
 void draw(const SampledVolume& volume, const VolumeField& field, std::uint8_t bits) {
   TriangleMesh boundary = volume_boundary(volume);
   VolumeSubject subject;
-  subject.places = volume.positions;
+  subject.samples = volume.positions;
   subject.image = volume.lattice.has_value();
   subject.field = &field;
   if (!boundary.triangles.empty()) subject.boundary = &boundary;

@@ -1,4 +1,4 @@
-// The command line: runs a command, and which exit code says what went wrong.
+// Main function: runs a command and returns its exit code.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,10 +23,10 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr int kFailed = 1;  // a file or its data
-constexpr int kUsage = 2;   // the command line
+constexpr int kFailed = 1;  // error in a file or its data
+constexpr int kUsage = 2;   // error in the command line
 
-/// The command of a part of the table that has no commands of its own.
+/// The command of an entry without subcommands.
 const Command& command_of_line(const std::vector<Command>& commands, const CommandLine& line) {
   return *std::find_if(commands.begin(), commands.end(), [&](const Command& c) { return c.line == &line; });
 }
@@ -37,15 +37,15 @@ struct Interrupted {
 };
 
 void warn_of_old_names(const CommandLine& line, Console& console) {
-  constexpr const char* kOld = "{} is now called {}, and will not be understood in the next version";
+  constexpr const char* kOld = "{} is now called {}, and will be removed in the next version";
   if (line.called_by_old_name) console.warn({fmt::format(kOld, line.old_name(), line.name())});
   for (const auto& option : line.options())
     if (std::find(option->old_names.begin(), option->old_names.end(), option->typed) != option->old_names.end())
       console.warn({fmt::format(kOld, option->typed, option->name())});
 }
 
-/// Runs a command and returns its exit code. If it fails, `kept` says which of its files are there all the same: more
-/// words for the error.
+/// Runs a command and returns its exit code. If it fails, `kept` receives text about files that are kept, which follows
+/// the error message.
 int run(const Command& command, const CommonArguments& common, std::string& kept) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);
@@ -67,17 +67,17 @@ int run(const Command& command, const CommonArguments& common, std::string& kept
   return console.has_failed() ? kFailed : 0;
 }
 
-/// One line, or for somebody who typed nothing but a command, what to type next.
+/// Prints the error in one line, or a short help if only a command was typed.
 void report(const UsageError& error) {
   if (error.bare) {
     print_err(short_help(*error.command));
     return;
   }
-  const std::string command = error.command->full_name().substr(error.command->root().name().size());
-  print_error(fmt::format("{} (see sansmesh help{})", error.what(), command));
+  print_error(fmt::format("{} (see sansmesh help{}{})", error.what(), error.command->parent() ? " " : "",
+                          error.command->path()));
 }
 
-/// The line for people and, with --json, the same as data: `kind` is argument, file, data, interrupted or other.
+/// Prints an error as text and, with --json, as data; `kind` is argument, file, data, interrupted or other.
 class Failure {
  public:
   Failure(const char* kind, std::string message) : message_(std::move(message)) {
@@ -97,7 +97,7 @@ class Failure {
         finish_out();
       } catch (const BrokenPipe&) {
         end_by_broken_pipe();
-      } catch (const FileError&) {  // the line above has said what went wrong first
+      } catch (const FileError&) {  // the first error has been printed
         return code;
       }
     }
@@ -118,12 +118,12 @@ int run_line(int argc, char** argv) {
   try {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
     chosen = parsed.command;
-    if (parsed.wish == ParsedLine::Wish::run) {
+    if (parsed.action == ParsedLine::Action::run) {
       return run(command_of_line(commands, *chosen), common, kept);
     } else {
-      print_out(parsed.wish == ParsedLine::Wish::version
+      print_out(parsed.action == ParsedLine::Action::version
                     ? "sansmesh " SANSMESH_VERSION "\n"
-                    : help_text(*chosen, parsed.wish == ParsedLine::Wish::help_all));
+                    : help_text(*chosen, parsed.action == ParsedLine::Action::help_all));
       finish_out();
     }
     return 0;

@@ -1,4 +1,4 @@
-// Cells of a grid in space: straight-edged polyhedra of four shapes, to which readers bring all others.
+// Cells of a spatial grid: straight-edged polyhedra of four shapes. Readers convert all other shapes.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Corners in VTK's order: a tetrahedron's fourth lies on the side to which the first three turn left; a pyramid's base
-/// is a ring, then the tip; a wedge is two triangles, corner k + 3 opposite of corner k; a hexahedron is two rings,
-/// corner k + 4 opposite of corner k.
+/// Corners in VTK's order. Tetrahedron: the fourth corner is on the side from which the first three run
+/// counter-clockwise. Pyramid: a ring of four, then the apex. Wedge: two triangles, corner k + 3 opposite corner k.
+/// Hexahedron: two rings, corner k + 4 opposite corner k.
 enum class CellShape : std::uint8_t { tetrahedron, pyramid, wedge, hexahedron };
 
 /// Number of corners: 4, 5, 6 or 8.
@@ -22,22 +22,22 @@ inline constexpr std::size_t corner_count(CellShape shape) {
   return counts[static_cast<std::size_t>(shape)];
 }
 
-/// Edges of a cell as pairs of its corners (numbers from 0 within the cell).
+/// Edges of a cell as pairs of its corners (local numbers from 0).
 SANSMESH_API std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape shape);
 
-/// A face of a cell: `count` (3 or 4) of its corners in a ring, counter-clockwise seen from outside.
+/// Face of a cell: a ring of `count` (3 or 4) corners, counter-clockwise seen from outside.
 struct CellFace {
   std::uint8_t count = 0;                ///< number of corners, 3 or 4
-  std::array<std::uint8_t, 4> corner{};  ///< numbers within the cell; the first `count` mean something
+  std::array<std::uint8_t, 4> corner{};  ///< local corner numbers; the first `count` are used
 };
 /// Faces of a cell.
 SANSMESH_API std::span<const CellFace> cell_faces(CellShape shape);
 
-/// Cells, one after the other. Degenerate ones (corners that coincide or repeat, no volume, inside out) may be there.
+/// List of cells. Degenerate cells (coincident or repeated corners, no volume, inverted) may occur.
 struct CellList {
-  std::vector<CellShape> shapes;        ///< of each cell
-  std::vector<std::uint32_t> corners;   ///< numbers of points, cell after cell
-  std::vector<std::uint64_t> first{0};  ///< where in `corners` a cell begins; one more entry than cells
+  std::vector<CellShape> shapes;        ///< shape of each cell
+  std::vector<std::uint32_t> corners;   ///< point indices, cell by cell
+  std::vector<std::uint64_t> first{0};  ///< start of each cell in `corners`; one more entry than cells
 
   /// Number of cells.
   std::size_t size() const { return shapes.size(); }
@@ -55,10 +55,10 @@ struct CellList {
   }
 };
 
-/// Lists of numbers, one for each row, in one array.
+/// Lists of numbers, one per row, in one array.
 struct Adjacency {
-  std::vector<std::uint32_t> entries;   ///< of all rows, row after row
-  std::vector<std::uint64_t> first{0};  ///< where in `entries` a row begins; one more entry than rows
+  std::vector<std::uint32_t> entries;   ///< entries of all rows, row by row
+  std::vector<std::uint64_t> first{0};  ///< start of each row in `entries`; one more entry than rows
 
   /// Number of rows.
   std::size_t size() const { return first.size() - 1; }

@@ -1,4 +1,4 @@
-// Options of what is done to samples before any method, and what is found of their noise and normals.
+// Options of cloud preparation, and estimates of noise and orientation of normals.
 #pragma once
 
 #include <bitset>
@@ -14,147 +14,145 @@
 
 namespace sansmesh::inline v1 {
 
-/// Classes 0 to 255, numbered as in the LAS specification of the ASPRS: below 64 as there, above as the user defines
-/// them.
+/// Classes 0 to 255 as in the ASPRS LAS specification: standard below 64, user-defined above.
 using PointClasses = std::bitset<256>;
 
-/// Reads a list with commas: numbers, ranges of them ("3-5") and names, in lower or upper case, of one class ("ground")
-/// or of several ("vegetation": 3 to 5, "noise": 7 and 18, "wire": 13, 14 and 16). Throws ArgumentError, which lists
-/// the names, for what is none of them.
+/// Parses a comma-separated list of numbers, ranges ("3-5") and names in any case, of one class ("ground") or several
+/// ("vegetation": 3 to 5, "noise": 7 and 18, "wire": 13, 14 and 16). Throws ArgumentError, with the known names, for
+/// other entries.
 SANSMESH_API PointClasses parse_point_classes(std::string_view list);
 
-/// Text for classes, such as "2,4-6": parse_point_classes reads the same classes from it.
+/// Formats classes such that parse_point_classes reads them: "2,4-6".
 SANSMESH_API std::string point_classes_text(const PointClasses& classes);
 
-/// Name of a class, "ground"; empty for classes without a name.
+/// Name of a class: "ground"; empty for classes without a name.
 SANSMESH_API std::string_view point_class_name(unsigned number);
 
-/// From what the signs of normals are taken, in the order in which it is trusted.
+/// Source of the signs of normals, in descending order of reliability.
 enum class OrientBy {
-  automatic,    ///< the first of the following that there is
-  scanner,      ///< the positions of scanners (PointSet::scanners)
-  rows,         ///< rows and columns of a frame (PointSet::grid_normals)
-  flight,       ///< the flight lines of a survey, from LAS attributes (times, scan angles)
-  up,           ///< z: terrain is seen from above
-  propagation,  ///< neighbours agree, and each connected part looks outward
+  automatic,    ///< first available one of the following
+  scanner,      ///< scanner positions (PointSet::scanners)
+  rows,         ///< rows and columns of a depth frame (PointSet::grid_normals)
+  flight,       ///< flight lines of a survey, from LAS attributes (times, scan angles)
+  up,           ///< +z: terrain is seen from above
+  propagation,  ///< agreement of neighbours; connected parts face outward
 };
 
-/// What the signs were taken from: "by scanner position", "upward, as terrain".
+/// Description of the source: "by scanner position", "upward, as terrain".
 SANSMESH_API std::string_view orientation_words(OrientBy by);
 
-/// Where the input is a mesh or a polygon soup: what the samples are.
+/// Samples taken from a mesh or polygon soup.
 enum class FaceUse {
-  automatic,  ///< samples of the faces where the vertices are too few or far apart to describe the surface
-  ignore,     ///< the vertices, as if there were no faces
-  sample,     ///< samples spread over the faces
-  vertices    ///< the vertices, however few or flat, with the sides and normals of the faces
+  automatic,  ///< samples on the faces if the vertices are too few or too far apart to describe the surface
+  ignore,     ///< vertices, ignoring the faces
+  sample,     ///< samples distributed over the faces
+  vertices    ///< vertices in any case, with the sides and normals of the faces
 };
 
-/// What is done about given normals.
+/// Treatment of given normals.
 enum class NormalUse {
-  automatic,  ///< used, and turned where they are not consistent, point inward or away from known scanners
-  as_given,   ///< used without a look at them
-  estimate    ///< replaced
+  automatic,  ///< used, but reoriented if inconsistent, inward or facing away from known scanners
+  as_given,   ///< used unchecked
+  estimate    ///< replaced by estimates
 };
 
-/// What is done to the samples before any method.
+/// Preparation of the samples before any method.
 struct SANSMESH_API CloudPreparation {
-  FaceUse faces = FaceUse::automatic;        ///< of meshes: what the samples are
-  NormalUse normals = NormalUse::automatic;  ///< what is done about given normals
-  /// From what normals that need it get their signs. Other than automatic: given ones get them anew, too, and DataError
-  /// is thrown where nothing of the kind is known.
+  FaceUse faces = FaceUse::automatic;        ///< samples of a mesh
+  NormalUse normals = NormalUse::automatic;  ///< treatment of given normals
+  /// Source of the signs of normals. Any source but automatic also reorients given normals, and throws DataError if the
+  /// data lacks it.
   OrientBy orient_by = OrientBy::automatic;
-  /// Move scans that do not quite fit together onto each other (docs/methods/registration.md). Where false, a warning
-  /// tells of scans that disagree.
+  /// Align slightly misregistered scans (docs/methods/registration.md). If false, a warning reports misaligned scans.
   bool align = false;
-  /// Leave out samples that belong to no surface, with a warning that counts them.
+  /// Remove samples off the surface, with a warning that states their number.
   bool remove_outliers = false;
-  /// Only points of these classes, the others being left out before anything else.
+  /// Keep only points of these classes; applied first.
   std::optional<PointClasses> classes = {};
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< a row per field
 };
 
-/// How normals are estimated from neighbours.
+/// Estimation of normals from neighbours.
 struct SANSMESH_API NormalOptions {
-  /// What is fitted to the neighbours.
+  /// Model fitted to the neighbours.
   enum class Method {
-    covariance,  ///< plane through the neighbours: direction of least variance (Hoppe et al. 1992)
-    jet          ///< quadratic height function over that plane (Cazals & Pouget 2005): unbiased by curvature
+    covariance,  ///< plane through the neighbours: direction of least variance (hoppe1992)
+    jet          ///< quadratic height function over that plane (cazals2005): not biased by curvature
   };
-  Method method = Method::jet;  ///< what is fitted
-  /// Samples in a neighbourhood, 6..500; default: from the spacing and the noise.
+  Method method = Method::jet;  ///< fitted model
+  /// Samples per neighbourhood, 6..500; default: from spacing and noise.
   std::optional<int> neighbours = {};
-  /// Rounds of reweighting, 0..10, that reduce the weight of samples off the fitted plane: outliers, the other side of
-  /// a crease or of a thin sheet. Sharper at creases, a little less steady under noise, half as fast.
+  /// Rounds of reweighting, 0..10. They reduce the weight of samples off the fitted plane: outliers, the other side of
+  /// a crease or of a thin sheet. Sharper at creases, slightly less stable under noise, half as fast.
   int reweightings = 0;
-  /// Known spacing of the samples (length), to save its estimation; used where `neighbours` is absent.
+  /// Known spacing of the samples (length), saves its estimation; used if `neighbours` is absent.
   std::optional<double> spacing = {};
-  /// Known standard deviation of the samples off the surface (length), to save its estimation; used likewise.
+  /// Known standard deviation of the samples off the surface (length), saves its estimation; used if `neighbours` is
+  /// absent.
   std::optional<double> noise = {};
 
-  static const OptionSchema& schema();  ///< a row a field
-  /// Throws ArgumentError naming the field.
+  static const OptionSchema& schema();  ///< a row per field
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// What can be known of the noise of a cloud (lengths).
+/// Estimated noise of a cloud (lengths).
 struct SANSMESH_API NoiseEstimate {
   double deviation = 0;  ///< standard deviation of the samples off the surface
-  /// It is no more than this: what the nearest neighbours leave of the samples' heights, shape and noise together.
+  /// Upper bound: residual heights of the samples over their nearest neighbours, shape and noise together.
   double most = 0;
-  /// There are neighbourhoods that show the noise by itself, or too little of either to matter. False where shape and
-  /// noise look the same, as of few samples, and where steps hide what is smaller.
+  /// Whether some neighbourhoods separate noise from shape, or both are negligible. False if they cannot be separated
+  /// (few samples), or if steps hide smaller noise.
   bool known = false;
-  /// Coordinates come in steps of this height, whole neighbourhoods at the same: depths of a sensor with few digits.
+  /// Step of quantised coordinates, where whole neighbourhoods have the same value: depths of a sensor with few digits.
   double step = 0;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< a row per reported value
 };
 
-/// The noise in words: "0.0039", "less than 0.0002", "unknown: 0.02 at most, of shape or noise", "unknown: too few
-/// samples", …; `spacing` of the samples (length).
+/// Noise as text: "0.0039", "less than 0.0002", "unknown: 0.02 at most, of shape or noise", "unknown: too few samples",
+/// …; `spacing` of the samples (length).
 SANSMESH_API std::string noise_words(const NoiseEstimate& noise, double spacing);
 
-/// How the normals of a cloud point.
+/// Orientation of the normals of a cloud.
 enum class OrientationCheck {
-  missing,     ///< no normals, or hardly any
-  oriented,    ///< consistent and outward as far as can be told
-  inward,      ///< consistent but pointing into the shape
-  unoriented,  ///< neighbouring normals disagree in sign systematically
+  missing,     ///< no normals, or very few
+  oriented,    ///< consistent and, as far as can be determined, outward
+  inward,      ///< consistent but inward
+  unoriented,  ///< neighbouring normals disagree systematically in sign
 };
 
-/// How the normals of a cloud point, in numbers.
+/// Orientation of the normals of a cloud, with its measures.
 struct SANSMESH_API OrientationReport {
-  OrientationCheck check = OrientationCheck::missing;  ///< what follows from the numbers
-  /// What neighbouring normals say of each other's signs, by its weight: the share that confirms those they have.
-  /// 1: no contradiction; about ½: signs, or normals, at random.
+  OrientationCheck check = OrientationCheck::missing;  ///< conclusion from the measures
+  /// Weighted share of pairs of neighbouring normals that confirm each other's signs. 1: no contradiction; about ½:
+  /// random signs or normals.
   double agreement = 0;
-  /// Share of the samples whose normals have to do with those of their neighbours at all: hardly any of normals at
-  /// random.
+  /// Share of the samples whose normals are correlated with those of their neighbours; near 0 for random normals.
   double related = 0;
-  double outward = 0;  ///< share of the samples that lie in closed parts whose normals point outward
-  double inward = 0;   ///< share of the samples that lie in closed parts whose normals point inward
-  double open = 0;     ///< share of the samples in parts so far from closed that they have no outside: the rest
-  /// Share of the samples, in closed parts, around which the normals do not enclose what they should
-  /// (by winding numbers): seen from afar, where agreement is between neighbours.
+  double outward = 0;  ///< share of the samples in closed parts with outward normals
+  double inward = 0;   ///< share of the samples in closed parts with inward normals
+  double open = 0;     ///< share of the samples in open parts, which have no outside: the rest
+  /// Share of the samples in closed parts whose winding numbers contradict the normals; a global measure, in contrast
+  /// to `agreement`.
   double doubt = 0;
 
-  /// Whether signs that are consistent are right, too, for all but a few of the samples: agreement is the better the
-  /// smoother normals are, and noise as large as the shape is thin hides which side is out.
+  /// Whether consistent signs are also correct for all but a few samples. Agreement increases with the smoothness of
+  /// the normals; noise of the size of the shape's thickness hides the outer side.
   bool certain() const;
 };
 
-/// What is found of the normals that a cloud has.
+/// Assessment of the given normals of a cloud.
 struct SANSMESH_API GivenNormals {
-  bool oriented = false;     ///< surely, be it inward
+  bool oriented = false;     ///< certainly consistent, possibly inward
   std::string words;         ///< "none", "oriented outward", "not oriented consistently: …"
-  OrientationReport report;  ///< by how neighbours agree and where closed parts look
-  /// The sensor that all but a few look to, where one is known: it outweighs what neighbours say.
+  OrientationReport report;  ///< agreement of neighbours, and direction in closed parts
+  /// Sensor, if known, that all but a few normals face: it outweighs the agreement of neighbours.
   std::optional<OrientBy> oriented_by = {};
-  double looking_away = 0;  ///< share (0..1) of the normals that looks away from that sensor
+  double looking_away = 0;  ///< share (0..1) of the normals that face away from that sensor
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< a row per reported value
 };
 
 }  // namespace sansmesh::inline v1

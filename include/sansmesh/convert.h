@@ -1,4 +1,4 @@
-// Clouds and meshes moved, cropped, thinned, welded and split, a step after the other.
+// Conversion of clouds and meshes: moves, crops, thins, welds and splits them in a sequence of steps.
 #pragma once
 
 #include <cstddef>
@@ -22,114 +22,114 @@
 
 namespace sansmesh::inline v1 {
 
-/// Rotations and scalings after this leave a place where it is, unless they have one of their own: "about".
+/// Sets the fixed point of later rotations and scalings that have none themselves: "about".
 struct SANSMESH_API AboutStep {
-  std::optional<Vec3> place = {};       ///< default: 0
-  bool center = false;                  ///< instead: the middle of the box as it then is
-  static const OptionSchema& schema();  ///< a row a field
+  std::optional<Vec3> place = {};       ///< fixed point; default: 0
+  bool center = false;                  ///< the centre of the current bounding box is fixed instead
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Moves everything by a map or its inverse: "transform", "inverse_transform".
+/// Applies an affine map or its inverse to everything: "transform", "inverse_transform".
 struct SANSMESH_API TransformStep {
-  AffineMap map = {};                   ///< of positions; normals, scanners and directions follow
-  bool inverse = false;                 ///< by its inverse; ArgumentError where there is none
-  static const OptionSchema& schema();  ///< a row a field
+  AffineMap map = {};                   ///< map of positions; normals, scanners and directions follow
+  bool inverse = false;                 ///< apply the inverse; ArgumentError if the map has none
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Moves everything without turning it; loses no digit, however far: "translate".
+/// Translates everything without any loss of precision: "translate".
 struct SANSMESH_API TranslateStep {
-  Vec3 by = {};                         ///< length
-  static const OptionSchema& schema();  ///< a row a field
+  Vec3 by = {};                         ///< translation (length)
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Moves the middle of the box around everything to 0: "center".
+/// Moves the centre of the bounding box to 0: "center".
 struct SANSMESH_API CenterStep {
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Turns everything about an axis, counter-clockwise as the axis points at one's eye: "rotate".
+/// Rotates everything about an axis, counter-clockwise if the axis points towards the viewer: "rotate".
 struct SANSMESH_API RotateStep {
-  Vec3 axis = {0, 0, 1};                ///< of any length but 0
-  double degrees = 0;                   ///< the angle
-  std::optional<Vec3> about = {};       ///< what stays where it is; default: 0
-  bool about_center = false;            ///< instead: the middle of the box as it then is
-  static const OptionSchema& schema();  ///< a row a field
+  Vec3 axis = {0, 0, 1};                ///< any length but 0
+  double degrees = 0;                   ///< angle
+  std::optional<Vec3> about = {};       ///< fixed point; default: 0
+  bool about_center = false;            ///< the centre of the current bounding box is fixed instead
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Scales by a factor for each axis, none of them 0; negative ones mirror, and turn faces over: "scale".
+/// Scales by one factor per axis, none of them 0. An odd number of negative factors mirrors and flips faces: "scale".
 struct SANSMESH_API ScaleStep {
-  Vec3 factors = {1, 1, 1};             ///< of x, y and z
+  Vec3 factors = {1, 1, 1};             ///< factors of x, y and z
   std::optional<Vec3> about = {};       ///< as in RotateStep
   bool about_center = false;            ///< as in RotateStep
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Exchanges the axes: "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "new_axes".
+/// Permutes the axes: "y,x,z" swaps two (a mirror image), "x,-z,y" rotates y up into z up: "new_axes".
 struct SANSMESH_API AxesStep {
-  std::string axes = "x,y,z";           ///< as axes_map reads it
-  static const OptionSchema& schema();  ///< a row a field
+  std::string axes = "x,y,z";           ///< axes in the syntax of axes_map
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// The axis that is to point up.
+/// Axis that points up.
 enum class StepUp : std::uint8_t { y, z };
 
-/// Turns what is up to another axis. To z: what pointed up along y points up along z; to y: the other way: "up".
+/// Changes the up axis. To z: what pointed up along y points up along z. To y: the reverse: "up".
 struct SANSMESH_API UpStep {
-  StepUp to = StepUp::z;                ///< which is up afterwards
-  static const OptionSchema& schema();  ///< a row a field
+  StepUp to = StepUp::z;                ///< up axis afterwards
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Converts from one unit of length to another; both are one of um, mm, cm, m, km, in, ft and us-ft:
-/// "to_unit".
+/// Converts lengths between units; both are one of um, mm, cm, m, km, in, ft and us-ft: "to_unit".
 struct SANSMESH_API UnitStep {
-  std::string from = {};                ///< unit of the data as it comes; default: ConvertOptions::unit
-  std::string to = "m";                 ///< unit of the data afterwards
-  static const OptionSchema& schema();  ///< a row a field
+  std::string from = {};                ///< unit of the input; default: ConvertOptions::unit
+  std::string to = "m";                 ///< unit of the result
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Keeps what lies in the box, or outside of it; meshes are cut along it: "box", "outside_box".
+/// Keeps the part inside or outside a box; meshes are cut along its sides: "box", "outside_box".
 struct SANSMESH_API CropStep {
-  Box3 box = {};                        ///< in the coordinates of the data as they then are; must not be empty
-  bool inside = true;                   ///< keep what lies in it; otherwise what lies outside
-  static const OptionSchema& schema();  ///< a row a field
+  Box3 box = {};                        ///< box in the current coordinates of the data; must not be empty
+  bool inside = true;                   ///< keep the inside; otherwise the outside
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Fewer points: no two closer than a distance, and none missing that would be farther from all: "point_spacing".
+/// Thins points so that no two are closer than a distance and each removed point is that close to a kept one:
+/// "point_spacing".
 struct SANSMESH_API SpacingStep {
   double distance = 0;                  ///< length, > 0
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Fewer points: so many, drawn by chance, always the same ones: "point_count".
+/// Thins points to a given number, drawn at random with a fixed seed: "point_count".
 struct SANSMESH_API CountStep {
-  std::size_t count = 0;                ///< how many stay, 1..2·10⁹
-  static const OptionSchema& schema();  ///< a row a field
+  std::size_t count = 0;                ///< number of points that remain, 1..2·10⁹
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Fewer points: the first of every so many: "every".
+/// Thins points to every n-th, starting with the first: "every".
 struct SANSMESH_API EveryStep {
-  std::size_t every = 0;                ///< one of so many stays, 1..2·10⁹
-  static const OptionSchema& schema();  ///< a row a field
+  std::size_t every = 0;                ///< n, 1..2·10⁹
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Keeps, of normals, colors and attributes, only these, or all but these: "keep", "drop".
+/// Keeps only the named normals, colors and attributes, or all others: "keep", "drop".
 struct SANSMESH_API ChooseStep {
   std::vector<std::string> names = {};  ///< "normals", "colors", names of attributes
-  bool keep = true;                     ///< only these; otherwise all but these
-  static const OptionSchema& schema();  ///< a row a field
+  bool keep = true;                     ///< keep only these; otherwise drop these
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Makes vertices (or points) no farther from each other than a distance one: "weld".
+/// Merges vertices (or points) that are no farther apart than a distance: "weld".
 struct SANSMESH_API WeldStep {
-  double distance = 0;                  ///< length, >= 0; 0: only those at the same place
-  static const OptionSchema& schema();  ///< a row a field
+  double distance = 0;                  ///< length, >= 0; 0 merges coincident ones only
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
-/// Turns faces over, and normals round: "flip", "flip_faces", "flip_normals".
+/// Reverses the orientation of faces and normals: "flip", "flip_faces", "flip_normals".
 struct SANSMESH_API FlipStep {
-  bool faces = true;                    ///< turn these over
-  bool normals = true;                  ///< turn these round
-  static const OptionSchema& schema();  ///< a row a field
+  bool faces = true;                    ///< reverse faces
+  bool normals = true;                  ///< reverse normals
+  static const OptionSchema& schema();  ///< option rows, one per field
 };
 
 /// One step of a conversion.
@@ -137,142 +137,141 @@ using ConvertStep =
     std::variant<AboutStep, TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep, UnitStep,
                  CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
 
-/// All steps that there are, as the options of a list of steps.
+/// All steps, as the options of a list of steps.
 SANSMESH_API std::span<const OptionRow> convert_step_rows();
 
-/// Name of a step, as it stands behind the kind above: "outside_box".
+/// Name of a step, as quoted in the comments above: "outside_box".
 SANSMESH_API std::string_view step_name(const ConvertStep& step);
 
-/// Throws ArgumentError for values that are not allowed.
+/// Throws ArgumentError for values out of range.
 SANSMESH_API void validate_step(const ConvertStep& step);
 
-/// "x,-z,y": the axes whose coordinates the new x, y and z are. Throws ArgumentError.
+/// Parses "x,-z,y": the axes whose coordinates become the new x, y and z. Throws ArgumentError.
 SANSMESH_API AffineMap axes_map(std::string_view axes);
 
-/// Length of a unit in metres: of um, mm, cm, m, km, in, ft and us-ft. Throws ArgumentError that names them.
+/// Length of a unit in metres: um, mm, cm, m, km, in, ft or us-ft. Throws ArgumentError that lists them.
 SANSMESH_API double meters_of_unit(std::string_view unit);
 
-/// The vertices of a mesh as a cloud, with all that belongs to them.
+/// The vertices of a mesh as a cloud, with all their attributes.
 SANSMESH_API PointSet vertices_of(TriangleMesh mesh);
 
 /// A cloud, or a mesh.
 struct SANSMESH_API CloudOrMesh {
   bool is_mesh = false;  ///< which of the two it is
-  PointSet points;       ///< unless it is a mesh
-  TriangleMesh mesh;     ///< if it is one
-  /// Attributes of three reals that were not turned with everything else: nobody knows whether they are directions.
+  PointSet points;       ///< points of a cloud
+  TriangleMesh mesh;     ///< mesh, if is_mesh
+  /// Attributes of three reals that transformations left unchanged, since they may not be directions.
   std::vector<std::string> unturned;
-  /// Edges of three triangles or more that welding has made.
+  /// Edges with three or more triangles that welding made.
   std::size_t nonmanifold_edges_of_weld = 0;
 
-  /// As it was read: a mesh if it has triangles. Which file or scan each sample is of becomes an attribute, "source",
-  /// if there are several.
+  /// Takes what a file contains: a mesh if it has triangles. Several files or scans are numbered in an attribute
+  /// "source" of the samples.
   explicit CloudOrMesh(PointSet read);
 
   /// Number of points or vertices.
   std::size_t size() const { return is_mesh ? mesh.vertices.size() : points.size(); }
   /// "1,234 points", or "1,234 vertices, 2,345 triangles".
   std::string size_words() const;
-  /// Of the positions: world position = origin + position.
+  /// Origin of the positions: world position = origin + position.
   const Vec3& origin() const { return is_mesh ? mesh.origin : points.origin; }
   /// Box around the points or vertices, in the coordinates of the file.
   Box3 bounds() const;
-  /// Of the points or vertices.
+  /// Attributes of the points or vertices.
   const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
-  /// ", with normals, colours, intensity and 3 more": what there is but for what is lost.
+  /// ", with normals, colours, intensity and 3 more": names of the attributes, except lost ones.
   std::string belongings(const std::vector<std::string>& lost) const;
-  /// Drops the triangles of a mesh: its vertices become the points.
+  /// Drops the triangles of a mesh; its vertices become the points.
   void make_points();
 };
 
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool vertices_only = false;           ///< of a mesh the vertices alone, from the start
-  std::string unit = {};                ///< of the input's lengths, for UnitStep
-  std::vector<ConvertStep> steps = {};  ///< in their order
+  bool vertices_only = false;           ///< of a mesh, use the vertices only
+  std::string unit = {};                ///< unit of the input's lengths, for UnitStep
+  std::vector<ConvertStep> steps = {};  ///< steps in order
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< option rows, one per field
   /// Throws ArgumentError.
   void validate() const;
 };
 
-/// What there was after a step.
+/// State after a step.
 struct SANSMESH_API ConvertedBy {
-  std::string_view step;                 ///< its name
-  std::string remark;                    ///< what became of the data, in words; may be empty
-  std::size_t size = 0;                  ///< points or vertices
-  std::optional<std::size_t> triangles;  ///< of a mesh
+  std::string_view step;                 ///< name of the step
+  std::string remark;                    ///< effect of the step as text; may be empty
+  std::size_t size = 0;                  ///< number of points or vertices
+  std::optional<std::size_t> triangles;  ///< number of triangles of a mesh
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Numbers of a run of convert().
+/// Report of convert().
 struct SANSMESH_API ConvertReport {
-  std::string size_words;          ///< of what came: "1,234 points"
-  std::size_t size = 0;            ///< points or vertices of what came
-  std::size_t triangles = 0;       ///< of what came; 0 of a cloud
-  std::vector<ConvertedBy> steps;  ///< after each of them
+  std::string size_words;          ///< size of the input: "1,234 points"
+  std::size_t size = 0;            ///< points or vertices of the input
+  std::size_t triangles = 0;       ///< triangles of the input; 0 for a cloud
+  std::vector<ConvertedBy> steps;  ///< state after each step
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
 /// Converted cloud or mesh.
 struct ConvertResult {
-  CloudOrMesh data;      ///< after the last step
-  ConvertReport report;  ///< what the steps did
-  /// "nonmanifold_weld": edges of three triangles or more were made; "unturned": attributes of three numbers that
-  /// nobody knows to be directions.
+  CloudOrMesh data;      ///< data after the last step
+  ConvertReport report;  ///< effects of the steps
+  /// "nonmanifold_weld": welding made edges with three or more triangles; "unturned": attributes of three numbers that
+  /// may or may not be directions.
   std::vector<Note> notes;
 };
 
-/// Throws FileError early where neither a mesh nor points can be written there. `points`: these are wanted.
+/// Throws FileError early if the file can hold neither a mesh nor points. `points`: the result is points.
 SANSMESH_API void check_converted(const std::string& file, bool points);
-/// Meshes become points where the format of the file has no faces: "no_faces". Points never become a mesh: throws
-/// FileError.
+/// Turns a mesh into points if the file format has no faces: "no_faces". Throws FileError if a cloud is to be written
+/// to a format for meshes.
 SANSMESH_API std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file);
 
-/// Parts that the format of the file has no room for: "normals", names of attributes.
+/// Parts that the file format cannot hold: "normals", names of attributes.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const CloudOrMesh& data);
-/// Writes a cloud or a mesh that fits; `ascii`: as text where the format has both. Throws FileError.
+/// Writes a cloud or a mesh that fits the format. `ascii`: as text if the format allows both. Throws FileError.
 SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& data, bool ascii = false);
 
-/// Takes what a file held through all steps, in their order. Throws ArgumentError for bad options, DataError naming the
-/// step where one cannot be done or leaves nothing,
-/// Cancelled.
+/// Applies all steps in order to the contents of a file. Throws ArgumentError for bad options, DataError with the name
+/// of a step that fails or leaves nothing, Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
 
-/// Remarks of the steps on what became of the data, a line each.
+/// Remarks on the effects of the steps, one line each.
 SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
 
-/// What counts as connected, and which parts are kept.
+/// Connectivity, and which parts are kept.
 struct SANSMESH_API SplitOptions {
-  /// Of clouds: points as close as this are connected (length, > 0). Default: 4 spacings.
+  /// For clouds: points no farther apart than this are connected (length, > 0). Default: 4 spacings.
   std::optional<double> split_distance = {};
-  std::size_t min_size = 0;         ///< parts of fewer triangles (or points) are left out
-  std::size_t most_parts = 10'000;  ///< more are an error
+  std::size_t min_size = 0;         ///< parts with fewer triangles (or points) are dropped
+  std::size_t most_parts = 10'000;  ///< more parts are an error
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< option rows, one per field
   /// Throws ArgumentError.
   void validate() const;
 };
 
 /// Connected parts of a cloud or mesh.
 struct SANSMESH_API SplitResult {
-  std::vector<CloudOrMesh> parts;  ///< the largest first
-  std::size_t found = 0;           ///< parts, those that were left out included
-  std::optional<double> distance;  ///< of clouds: `split_distance` as used (length)
-  /// "small_parts": parts that were left out; "soup": hardly any triangles share a vertex; "loose_points": vertices of
-  /// no triangle were left out.
+  std::vector<CloudOrMesh> parts;  ///< parts, the largest first
+  std::size_t found = 0;           ///< number of parts, dropped ones included
+  std::optional<double> distance;  ///< for clouds: the `split_distance` that was used (length)
+  /// "small_parts": parts were dropped; "soup": hardly any triangles share a vertex; "loose_points": vertices without
+  /// triangles were dropped.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is
-/// large enough or there are too many, Cancelled.
+/// Splits a cloud or mesh into its connected parts. Throws ArgumentError for bad options, DataError if no part is large
+/// enough or there are too many, Cancelled.
 SANSMESH_API SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
 
-/// How many parts there are, in lines for people.
+/// Number of parts, as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const SplitResult& made);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Deformations of space with all that they need: by handles, or by a map of displacements.
+// Deformations of space by handles or by displacement maps, and the objects that they deform.
 #pragma once
 
 #include <array>
@@ -36,51 +36,52 @@ namespace sansmesh::inline v1 {
 
 class Occluder;
 
-/// Both ways through one deformation.
+/// Both directions of one deformation.
 struct DeformationMaps {
-  std::shared_ptr<const SpaceMap> backward;  ///< from places after to places before: fields and volumes are seen by it
-  std::shared_ptr<const SpaceMap> forward;   ///< the other way: meshes and clouds are moved by it
+  std::shared_ptr<const SpaceMap>
+      backward;  ///< from deformed to original points; fields and volumes are evaluated through it
+  std::shared_ptr<const SpaceMap> forward;  ///< from original to deformed points; meshes and clouds are moved by it
 };
 
-/// A cut that handles do not reach through, as users write it. "half-plane(x,y,z; x,y,z; x,y,z)": a point of its edge,
-/// its normal, and where it extends to; "polygon(x,y,z; …)" with "|" before each hole; or the name of a mesh. `domain`
-/// holds handles and what is deformed. Throws ArgumentError, FileError.
+/// Parses a cut, which handles do not act across. "half-plane(x,y,z; x,y,z; x,y,z)" has a point of its edge, its
+/// normal, and the direction in which it extends; "polygon(x,y,z; …)" has "|" before each hole; otherwise the text is
+/// the file of a mesh. `domain` contains the handles and the deformed object. Throws ArgumentError, FileError.
 SANSMESH_API std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& domain);
 
-/// A deformation of space. Cheap to copy: what it holds is shared and never changes.
+/// A deformation of space. Cheap to copy: copies share immutable data.
 class SANSMESH_API Deformation {
  public:
-  /// By moving least squares. `name` stands in messages: the file of the handles, if there is one. Throws
-  /// ArgumentError for bad options, and for handles that cannot be; FileError in its place where there is a name.
+  /// Moving least squares. `name` appears in messages: the file of the handles, if any. Throws ArgumentError for bad
+  /// options and for impossible handles; if there is a name, FileError instead.
   explicit Deformation(std::vector<Handle> handles, const MlsDeformationOptions& options = {},
                        std::vector<std::shared_ptr<const Occluder>> cuts = {}, std::string name = {});
-  /// By a backward map, whose inverse is found by Newton's method.
+  /// A backward map, inverted by Newton's method.
   explicit Deformation(std::shared_ptr<const SpaceMap> backward, std::string name = {});
-  /// The same of displacements on a lattice, as deformation_map makes them. Throws DataError where it is no lattice of
-  /// even spacing along the axes, or lacks the array, ArgumentError where it has no size.
+  /// A backward map of displacements on a lattice, as deformation_map makes them. Throws DataError if the lattice is
+  /// not evenly spaced along the axes or lacks the array, ArgumentError if it has no extent.
   explicit Deformation(const GridBlock& displacements, std::string name = {});
 
-  /// As far as it has come at a share of the way, 0..1; other than 1 means nothing to a map of displacements.
+  /// The deformation at a share of the way, 0..1. Displacement maps ignore shares other than 1.
   DeformationMaps at(double share) const;
-  /// The handles there; none of a map.
+  /// Handles at that share; none for a map.
   std::vector<Handle> handles_at(double share) const;
-  /// By handles, not by a map.
+  /// Whether handles, not a map, define it.
   bool has_handles() const;
-  /// Where handles do not reach through.
+  /// Surfaces that handles do not act across.
   const std::vector<std::shared_ptr<const Occluder>>& cuts() const;
-  /// About where what lies in `box` comes to lie; nothing where that is not known.
+  /// Approximate bounding box of the deformed `box`, if known.
   std::optional<Box3> box_of(const DeformationMaps& maps, const Box3& box) const;
-  /// Balls and arrows of the handles there, for pictures of something so large.
+  /// Balls and arrows for the handles, for pictures of an object of that size.
   TriangleMesh handle_shapes_at(double share, double size) const;
 
-  /// What it is called in messages.
+  /// Name in messages.
   const std::string& name() const;
-  /// Of handles.
+  /// Options of the moving least squares.
   const MlsDeformationOptions& options() const;
   /// "15 handles, rigid", "by a displacement map"
   std::string words() const;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 
  private:
   struct State;
@@ -89,19 +90,19 @@ class SANSMESH_API Deformation {
 
 // ---- From files --------------------------------------------------------------------------------------------------
 
-/// One of `handles`, `handles_from` and `map`.
+/// Exactly one of `handles`, `handles_from` and `map`.
 struct SANSMESH_API DeformationInput {
   std::string handles = {};                      ///< file (docs/formats/handles.md)
-  std::vector<std::string> handles_from = {};    ///< two files whose vertices correspond: before, after
-  std::vector<std::uint32_t> vertices = {};      ///< of these, which are handles
-  std::optional<std::size_t> handle_count = {};  ///< instead: so many, far from each other; default: 30
-  std::string map = {};                          ///< file of a lattice of displacements
-  MlsDeformationOptions by = {};                 ///< of handles
-  std::vector<std::string> cuts = {};            ///< each as read_cut reads it
+  std::vector<std::string> handles_from = {};    ///< two files with corresponding vertices: before, after
+  std::vector<std::uint32_t> vertices = {};      ///< vertices of these that are handles
+  std::optional<std::size_t> handle_count = {};  ///< alternatively: number of handles, spread evenly; default: 30
+  std::string map = {};                          ///< file with a lattice of displacements
+  MlsDeformationOptions by = {};                 ///< options for handles
+  std::vector<std::string> cuts = {};            ///< cuts in the syntax of read_cut
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
-  /// Throws ArgumentError for what does not go together.
+  /// Throws ArgumentError for options that exclude each other.
   void validate() const;
 };
 
@@ -112,60 +113,60 @@ SANSMESH_API Deformation read_deformation(const DeformationInput& input, Progres
 
 /// The lattice of a map of displacements.
 struct SANSMESH_API DeformationMapOptions {
-  std::optional<int> nodes = {};  ///< along the longest side, 2..1024; default: 64
-  std::optional<Box3> box = {};   ///< default: around where what is deformed comes to lie
+  std::optional<int> nodes = {};  ///< nodes along the longest side, 2..1024; default: 64
+  std::optional<Box3> box = {};   ///< default: around the deformed object
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
 };
 
 // ---- Options -----------------------------------------------------------------------------------------------------
 
-/// What is made of a thing that is deformed: the same kind of thing (of a solid a mesh), its sections, or a picture.
+/// What to make of a deformed object: the same kind of object (of a solid, a mesh), its sections, or a picture.
 enum class DeformAim : std::uint8_t { shape, sections, picture };
-/// What a file is to hold, by its ending: a picture (.png), sections (.svg, .csv), or else a shape.
+/// Contents of a file by its ending: a picture (.png), sections (.svg, .csv), or else a shape.
 SANSMESH_API DeformAim deform_aim(const std::string& file);
 
-/// Options of deformations, whatever is deformed.
+/// Options of deformations of any object.
 struct SANSMESH_API DeformOptions {
-  std::optional<int> frames = {};  ///< so many poses from before to after, 2 or more; default: that after it alone
+  std::optional<int> frames = {};  ///< number of poses from before to after, 2 or more; default: the last one only
 
-  std::optional<double> refine = {};  ///< of meshes: edges are cut in half first that bend by more than this (length)
-  bool cut_open = false;              ///< closed meshes stay open along cuts
+  std::optional<double> refine = {};  ///< for meshes: first halves edges that bend by more than this (length)
+  bool cut_open = false;              ///< leaves closed meshes open along cuts
 
-  std::optional<int> resolution = {};              ///< of solids, as CsgMeshOptions has it; of sections squares
-  std::optional<double> cell = {};                 ///< of solids, as CsgMeshOptions has it (length)
-  std::optional<double> simplify = {};             ///< of solids, as CsgMeshOptions has it (length)
-  std::optional<ComponentChoice> components = {};  ///< default: automatic with functions, else all
-  std::vector<CutPlane> planes = {};               ///< of sections; default: three through the middle
-  std::optional<Box3> box = {};                    ///< after the deformation: what ends there
+  std::optional<int> resolution = {};  ///< for solids: CsgMeshOptions::resolution; for sections: squares of the lattice
+  std::optional<double> cell = {};     ///< for solids: CsgMeshOptions::cell (length)
+  std::optional<double> simplify = {};             ///< for solids: CsgMeshOptions::simplify (length)
+  std::optional<ComponentChoice> components = {};  ///< default: automatic if there are functions, else all
+  std::vector<CutPlane> planes = {};               ///< planes of sections; default: three through the middle
+  std::optional<Box3> box = {};                    ///< box after the deformation; the result ends at its sides
 
-  ResampleOptions lattice = {};  ///< of volumes: its `size` and `outside`
+  ResampleOptions lattice = {};  ///< for volumes: `size` and `outside` of the result
 
-  /// Of volumes in pictures: nodes along the longest side of the map that they are seen through, 8..512.
+  /// For pictures of volumes: nodes along the longest side of the map through which they are sampled, 8..512.
   int map_nodes = 96;
-  bool exact_deformation = false;  ///< in pictures: straight through the deformation, and of solids without a mesh
-  bool draw_handles = false;       ///< in pictures: handles as balls and arrows
-  bool draw_folds = false;         ///< in pictures: places where space is folded
-  VolumePictureOptions look = {};  ///< of pictures: all but of volumes its RenderOptions alone
-  bool any_view = true;            ///< nobody chose the view: that of a thin volume looks straight at it
+  bool exact_deformation = false;  ///< in pictures: evaluates the deformation exactly, for solids without a mesh
+  bool draw_handles = false;       ///< in pictures: draws handles as balls and arrows
+  bool draw_folds = false;         ///< in pictures: draws places where space folds
+  VolumePictureOptions look = {};  ///< for pictures; for objects other than volumes only its RenderOptions
+  bool any_view = true;            ///< no view was chosen: the view of a thin volume is perpendicular to it
 
-  /// Without `look`.
+  /// Option rows without `look`.
   static const OptionSchema& schema();
-  /// Throws ArgumentError for bad options, and for such as mean nothing to the aim.
+  /// Throws ArgumentError for bad options and for options that do not apply to the aim.
   void validate(DeformAim aim) const;
-  /// The same, and for such as mean nothing to the deformation.
+  /// Also throws ArgumentError for options that do not apply to the deformation.
   void validate(DeformAim aim, const Deformation& deformation) const;
   /// Number of poses, 1 or more.
   int poses() const { return frames.value_or(1); }
-  /// Of the way, at a pose.
+  /// Share of the way at a pose.
   double share(int pose) const { return frames ? static_cast<double>(pose) / (*frames - 1) : 1; }
 };
 
-/// A picture of a pose.
+/// Picture of a pose.
 struct DeformedPicture {
-  Image image;  ///< with the bar
-  int bar = 0;  ///< so many columns of it on the right are a colour bar
+  Image image;  ///< picture with the colour bar
+  int bar = 0;  ///< number of pixel columns on the right that the colour bar takes
 };
 
 /// A cloud, a mesh, sections of a solid, a lattice, or a picture.
@@ -174,107 +175,107 @@ using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, 
 /// Writes a pose; `unit` (mm, cm, in) makes drawings of sections true to scale. Throws FileError.
 SANSMESH_API void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, const std::string& unit);
 
-/// Called once for each pose, in their order.
+/// Called once for each pose, in order.
 using UsePose = std::function<void(int pose, const DeformedPose& deformed)>;
 
-/// What became of what was deformed.
+/// Report of a deformation.
 struct SANSMESH_API DeformReport {
-  FoldReport folds;  ///< of the pose that is folded most
+  FoldReport folds;  ///< folds of the pose with the most
   // Of the last pose:
-  std::size_t vertices = 0;            ///< or points
-  std::size_t triangles = 0;           ///< 0 of clouds
-  std::size_t added = 0;               ///< triangles, where edges bend
-  bool fine = true;                    ///< false: there were too many triangles to cut all edges that bend
-  std::size_t undefined = 0;           ///< vertices and points where the map is not defined: they stay where they are
-  std::size_t turned = 0;              ///< vertices and points at which space is turned inside out
-  std::optional<OpenMeshReport> cut;   ///< of meshes with cuts
-  bool mesh_of_open = false;           ///< a function whose surface bounds no solid: its mesh was deformed
-  std::optional<CsgMeshReport> solid;  ///< of the mesh of a solid
-  std::vector<Section> sections;       ///< where they were asked for
-  std::array<std::size_t, 3> size{};   ///< of a lattice
-  std::optional<double> inside;        ///< share of its points that are in the volume
-  std::uint64_t rays = 0;              ///< of pictures of volumes
-  std::uint64_t evaluations = 0;       ///< of the volume, along these rays
+  std::size_t vertices = 0;            ///< vertices or points
+  std::size_t triangles = 0;           ///< triangles; 0 for clouds
+  std::size_t added = 0;               ///< triangles added at edges that bend
+  bool fine = true;                    ///< false: the limit of triangles left edges that bend unrefined
+  std::size_t undefined = 0;           ///< vertices and points outside the domain of the map; they do not move
+  std::size_t turned = 0;              ///< vertices and points where the map reverses orientation
+  std::optional<OpenMeshReport> cut;   ///< for meshes with cuts
+  bool mesh_of_open = false;           ///< the mesh of a function was deformed, since its surface bounds no solid
+  std::optional<CsgMeshReport> solid;  ///< for the mesh of a solid
+  std::vector<Section> sections;       ///< sections, if requested
+  std::array<std::size_t, 3> size{};   ///< size of a lattice
+  std::optional<double> inside;        ///< share of lattice points inside the volume
+  std::uint64_t rays = 0;              ///< for pictures of volumes
+  std::uint64_t evaluations = 0;       ///< evaluations of the volume along these rays
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// What came of a deformation; the poses themselves were handed over.
+/// Result of deform(); the poses were passed to the callback.
 struct DeformResult {
-  DeformReport report;  ///< numbers
-  /// "folded": space is folded somewhere; "bends_stay": too many triangles to refine them all; "undefined": what the
-  /// map does not know stays; "turned": vertices in folds; "uncut", "cut_open": what cuts left whole or open; "open":
-  /// functions that bound no solid; "mesh", "picture": what there is to say of meshes and pictures that were made.
+  DeformReport report;  ///< counts and measures
+  /// "folded": space folds somewhere; "bends_stay": too many triangles to refine all; "undefined": points outside the
+  /// domain of the map do not move; "turned": vertices in folds; "uncut", "cut_open": effects of cuts; "open":
+  /// functions that bound no solid; "mesh", "picture": notes on meshes and pictures.
   std::vector<Note> notes;
 };
 
-/// What was made, in lines for people; none of pictures of volumes.
+/// What was made, as lines of text; empty for pictures of volumes.
 SANSMESH_API std::vector<std::string> summary_of(const DeformReport& report);
 
-/// The backward map of a deformation as displacements on a lattice.
+/// Backward map of a deformation as displacements on a lattice.
 struct DeformationMapResult {
   GridBlock block;          ///< arrays `displacement` (3 floats) and, where there are gaps, `gap` (1 float)
-  DeformReport report;      ///< folds of the map in its box, and its size
+  DeformReport report;      ///< folds of the map in its box, and size of the lattice
   std::vector<Note> notes;  ///< "folded"
 };
 
-/// `before`: the box of what is deformed. Throws ArgumentError for bad options, and where that box has no end;
-/// Cancelled.
+/// Samples the backward map. `before`: box of the original object. Throws ArgumentError for bad options and for an
+/// infinite box; Cancelled.
 SANSMESH_API DeformationMapResult deformation_map(const Deformation& deformation, const Box3& before,
                                                   const std::string& name, const DeformationMapOptions& options,
                                                   Progress& progress);
 
-// ---- Things that are deformed ------------------------------------------------------------------------------------
+// ---- Deformed objects --------------------------------------------------------------------------------------------
 
-/// A cloud, or a mesh, which is opened along cuts first. `name` stands in notes. Throws ArgumentError for bad options,
-/// DataError that begins with the name where there is nothing to draw, Cancelled.
+/// Deforms a cloud or a mesh; a mesh is first opened along cuts. `name` appears in notes. Throws ArgumentError for bad
+/// options, DataError that begins with the name if there is nothing to draw, Cancelled.
 SANSMESH_API DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation,
                                  DeformAim aim, const DeformOptions& options, const UsePose& use, Progress& progress);
 
-/// A solid, as a field that is never sampled before it is deformed. Of a function whose surface bounds no solid the
-/// mesh. The same errors, and ArgumentError for solids without an end.
+/// Deforms a solid as a field, without sampling it first. For a function whose surface bounds no solid, its mesh is
+/// deformed. Throws as above, and ArgumentError for unbounded solids.
 SANSMESH_API DeformResult deform(const SolidModel& solid, const Deformation& deformation, DeformAim aim,
                                  const DeformOptions& options, const UsePose& use, Progress& progress);
 
 /// Quantities of one volume.
 struct SANSMESH_API DeformableVolume {
-  std::string name;                                        ///< stands in notes
-  std::shared_ptr<const SampledVolume> samples;            ///< where its values are known
-  std::vector<std::shared_ptr<const VolumeField>> fields;  ///< one at least; pictures show the first
-  std::vector<std::string> arrays;                         ///< their names
+  std::string name;                                        ///< name in notes
+  std::shared_ptr<const SampledVolume> samples;            ///< samples of the volume
+  std::vector<std::shared_ptr<const VolumeField>> fields;  ///< at least one; pictures show the first
+  std::vector<std::string> arrays;                         ///< names of their arrays
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws
-/// as VolumeModel::field.
+/// The array that a volume was opened with, as a scalar for pictures, or `all` arrays of the same samples. Throws as
+/// VolumeModel::field.
 SANSMESH_API DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
                                                 std::vector<Note>& notes);
 
-/// A volume, resampled or seen through the deformation. The same errors, and where values do not fit into
-/// floats or nothing comes to be anywhere.
+/// Deforms a volume: resamples it, or draws it through the deformation. Throws as above, and if values do not fit into
+/// floats or the result is empty.
 SANSMESH_API DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
                                  const DeformOptions& options, const UsePose& use, Progress& progress);
 
-/// Kinds of things that can be deformed; of the first meshes, too.
+/// Kinds of objects that can be deformed; `points` includes meshes.
 enum class DeformKind : std::uint8_t { points, solid, volume };
 
-/// What is named by one file or several, or by the expression of a solid, which is told from names alone. Throws
-/// FileError for a file that does not exist.
+/// Kind of the files or of the expression of a solid, derived from the names only. Throws FileError if a file does not
+/// exist.
 SANSMESH_API DeformKind deform_kind(const std::vector<std::string>& names);
 
-/// Throws FileError early, before long work, where what is made of a thing of that kind cannot be written.
+/// Throws FileError early if the file cannot hold the result for an object of that kind.
 SANSMESH_API void check_deformed(const std::string& file, DeformKind kind);
 
-/// A thing of any kind, as the functions above take it.
+/// Object of any kind, as accepted by the functions above.
 using DeformSubject = std::variant<PointSet, SolidModel, DeformableVolume>;
 
-/// Box around the finite points.
+/// Bounding box of the finite points.
 SANSMESH_API Box3 bounds_of(const PointSet& points);
-/// Box around a thing of any kind; infinite where it has no end.
+/// Bounding box of any object; infinite for unbounded ones.
 SANSMESH_API Box3 bounds_of(const DeformSubject& subject);
 
-/// Calls the one of the functions above that takes it; `name` is that of a cloud.
+/// Calls the matching function above; `name` is that of a cloud.
 SANSMESH_API DeformResult deform(const DeformSubject& subject, const std::string& name, const Deformation& deformation,
                                  DeformAim aim, const DeformOptions& options, const UsePose& use, Progress& progress);
 

@@ -1,4 +1,4 @@
-// Deformations of space: handles and their options, and what is found where space is folded or meshes are cut.
+// Handles and options of deformations of space, and reports of folds and of meshes opened along cuts.
 #pragma once
 
 #include <cstddef>
@@ -20,28 +20,28 @@ namespace sansmesh::inline v1 {
 
 // ---- Handles -----------------------------------------------------------------------------------------------------
 
-/// A unit direction before and after.
+/// A unit direction before and after the deformation.
 struct TurnedDirection {
   Vec3 before, after;  ///< unit directions
 };
 
-/// A point that went from p to q, or a segment from p to *p_end that went to q to *q_end (for `alpha` of 1 and above).
+/// A point that moves from p to q, or a segment from p–*p_end to q–*q_end (segments need `alpha` >= 1).
 struct Handle {
-  Vec3 p, q;                         ///< before, after
-  std::optional<Vec3> p_end, q_end;  ///< both or neither
+  Vec3 p, q;                         ///< position before, position after
+  std::optional<Vec3> p_end, q_end;  ///< set both or neither
 
-  /// Directions that went with it: one is the normal of a plane through the point, three orthonormal ones are a frame.
-  /// They count as points so far from the handle (in both directions) as `reach` says would.
+  /// Directions that move with the handle: one is the normal of a plane through the point, three orthonormal ones are a
+  /// frame. They act as points at distance `reach` from the handle, in both directions.
   std::vector<TurnedDirection> directions;
-  /// Length, > 0; default: half the mean distance from a handle to the nearest other one, after the deformation
-  /// (of the forward map: before it).
+  /// Length, > 0. Default: half the mean distance from a handle to its nearest neighbour, after the deformation (for
+  /// the forward map: before it).
   std::optional<double> reach;
 
-  double weight = 1;  ///< multiplies its influence, > 0
-  std::string group;  ///< handles of one group turn as one body between poses
+  double weight = 1;  ///< factor of the handle's influence, > 0
+  std::string group;  ///< between poses, handles of one group move as one rigid body
 };
 
-/// The same the other way round: what was after is before.
+/// Handles of the inverse deformation: before and after are exchanged.
 inline std::vector<Handle> reversed(std::vector<Handle> handles) {
   for (Handle& h : handles) {
     std::swap(h.p, h.q);
@@ -51,31 +51,31 @@ inline std::vector<Handle> reversed(std::vector<Handle> handles) {
   return handles;
 }
 
-/// Maps that moving least squares choose from.
+/// Class of maps that moving least squares fits.
 enum class DeformationKind : std::uint8_t {
-  affine,      ///< at least 4 handles, not in a plane
-  similarity,  ///< turns and scales
-  rigid,       ///< turns
-  nonlinear,   ///< polynomials of `degree`; bends
+  affine,      ///< at least 4 handles, not coplanar
+  similarity,  ///< rotation, translation and scale
+  rigid,       ///< rotation and translation
+  nonlinear,   ///< polynomials of `degree`; can bend space
 };
 
-/// "affine", "similarity", …
+/// Names: "affine", "similarity", …
 SANSMESH_API std::string_view kind_word(DeformationKind kind);
 
-/// Deformation of space by moving least squares: the map that best carries handles to where they went, weighted by
-/// their distance from each place (METHODS §7.1; thesis 6.4).
+/// Options of a deformation of space by moving least squares: at each point, the map that best carries the handles to
+/// their targets, weighted by their distances (tejada2008, 6.4).
 struct SANSMESH_API MlsDeformationOptions {
-  DeformationKind kind = DeformationKind::rigid;  ///< of the map at each place
-  /// Nonlinear: 2 (9 handles in general position) or 3 (19). With no more than that, or where the handles lie on a
-  /// sphere or its like, terms of the highest degree whose Laplacian is not 0 are left out.
+  DeformationKind kind = DeformationKind::rigid;  ///< class of the local map
+  /// Degree of nonlinear maps: 2 (needs 9 handles in general position) or 3 (needs 19). With exactly that many handles,
+  /// or with handles on a quadric such as a sphere, highest-degree terms whose Laplacian is not 0 are left out.
   int degree = 2;
-  /// Weights are 1 / distance^(2 alpha); 0.5..8, with segments 1..8. At 0.5 the map has creases at handles. Above about
-  /// 4 places are seldom within reach of more than two handles as far as double precision goes.
+  /// Exponent of the weights 1 / distance^(2 alpha); 0.5..8, with segments 1..8. At 0.5 the map has creases at handles.
+  /// Above about 4, double precision seldom resolves the influence of more than two handles at a point.
   double alpha = 1;
-  /// Influence on the far side of a cut falls with distance / (distance + damping · detour); >= 1.
+  /// Across a cut, influence is multiplied by distance / (distance + damping · detour); >= 1.
   double damping = 1;
 
-  /// The rows of these options.
+  /// One row per field
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -83,35 +83,35 @@ struct SANSMESH_API MlsDeformationOptions {
 
 // ---- Reports -----------------------------------------------------------------------------------------------------
 
-/// Neighbouring points of a lattice where the determinant of the map's Jacobian is not above 0.
+/// Connected set of lattice points at which the determinant of the map's Jacobian is not positive.
 struct SANSMESH_API Fold {
-  Box3 box;          ///< of the cells about its points
+  Box3 box;          ///< bounds of the cells around its points
   Vec3 center;       ///< mean of its points
-  double share = 0;  ///< of the volume looked at
-  double least = 0;  ///< determinant
+  double share = 0;  ///< fraction of the examined volume
+  double least = 0;  ///< smallest determinant
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per reported value
 };
 
-/// Where a map of space is folded: several places come from one, inside out in between.
+/// Folds of a map of space: regions that the map turns inside out, so that several points have one image.
 struct SANSMESH_API FoldReport {
-  double share = 0;         ///< of the volume looked at: where the map is defined, and no gap
-  double least = 0;         ///< determinant anywhere; 1 where nothing is known
-  std::vector<Fold> folds;  ///< connected ones, the largest first
-  GridBlock determinants;   ///< lattice with an array `determinant` (1 float; NaN outside of that volume)
+  double share = 0;         ///< fraction of the examined volume, which is where the map is defined and no gap
+  double least = 0;         ///< smallest determinant; 1 if nothing was examined
+  std::vector<Fold> folds;  ///< connected folds, in order of decreasing size
+  GridBlock determinants;   ///< lattice with an array `determinant` (1 float; NaN outside the examined volume)
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per reported value
 };
 
-/// A mesh that was opened along cuts.
+/// Figures of a mesh that was opened along cuts.
 struct SANSMESH_API OpenMeshReport {
-  std::size_t edges = 0;     ///< along which the mesh was opened
-  std::size_t doubled = 0;   ///< vertices that were added for them
+  std::size_t edges = 0;     ///< edges along which the mesh was opened
+  std::size_t doubled = 0;   ///< vertices added by doubling
   std::size_t faces = 0;     ///< triangles of cut faces, both sides together
-  std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
-  std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
+  std::size_t unopened = 0;  ///< triangles whose intersection with a cut is too complicated, after all refinements
+  std::size_t unclosed = 0;  ///< cuts that left the mesh open: the cut is a mesh, or the mesh was open before
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per reported value
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Pictures of surfaces of a flow, with streaks that run along it.
+// Pictures of flow surfaces with streaks along the flow.
 #pragma once
 
 #include <optional>
@@ -17,55 +17,56 @@
 
 namespace sansmesh::inline v1 {
 
-/// Pictures of surfaces of a flow, with streaks that run along it.
+/// Options of pictures of flow surfaces.
 struct SANSMESH_API FlowPictureOptions {
   TraceSurfaceOptions trace = {};  ///< the surface
 
-  bool textured = true;               ///< with streaks along the flow
-  FlowTextureOptions streaks = {};    ///< its `phase` follows from the frame
-  bool splats = false;                ///< particles as discs that blend, not the mesh
-  double opacity = 1;                 ///< of the surface where it is seen at right angles, 0..1
-  std::optional<double> arrows = {};  ///< along the flow, so far apart (length); 0: as its size suggests
-  std::string color_by = "time";      ///< time, speed, seed, none, or an array of a steady volume
-  std::optional<int> frames = {};     ///< so many, in which the streaks move with the flow; default: one picture
-  double turn = 0;                    ///< degrees that the view goes around in them, −3600..3600
+  bool textured = true;             ///< draws streaks along the flow
+  FlowTextureOptions streaks = {};  ///< `phase` follows from the frame
+  bool splats = false;              ///< draws particles as blended discs instead of the mesh
+  double opacity = 1;               ///< opacity of the surface seen perpendicularly, 0..1
+  std::optional<double> arrows =
+      {};                          ///< draws arrows along the flow at this distance (length); 0: derived from the size
+  std::string color_by = "time";   ///< time, speed, seed, none, or an array of a steady volume
+  std::optional<int> frames = {};  ///< number of frames, in which the streaks move with the flow; default: one picture
+  double turn = 0;                 ///< rotation of the view over the frames in degrees, −3600..3600
 
-  std::string volume_array = {};      ///< array of a steady volume that is seen through around it
+  std::string volume_array = {};      ///< array of a steady volume that is rendered around the surface
   std::string preset = {};            ///< its colours and opacities
-  double opacity_factor = 1;          ///< multiplies its opacity
-  std::vector<IsoSurface> isos = {};  ///< of that array, else of the speed
+  double opacity_factor = 1;          ///< factor of its opacity
+  std::vector<IsoSurface> isos = {};  ///< iso-surfaces of that array, or else of the speed
 
-  bool bar = true;             ///< colour bars
-  std::string label = {};      ///< of that of the surface; default: `color_by`
-  std::string unit = {};       ///< of what is shown
-  std::string title = {};      ///< above the picture
-  RenderOptions picture = {};  ///< its width is that of picture and bars together
-  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
+  bool bar = true;             ///< draws colour bars
+  std::string label = {};      ///< label of the surface's bar; default: `color_by`
+  std::string unit = {};       ///< unit of the displayed quantity
+  std::string title = {};      ///< title above the picture
+  RenderOptions picture = {};  ///< its width includes the bars
+  bool any_view = true;        ///< no view was chosen: the view of a single layer is perpendicular to it
 
-  /// The rows of these options, those of `picture` among them.
+  /// Option rows, those of `picture` included.
   static const OptionSchema& schema();
-  /// Throws ArgumentError for bad options, and for such as mean nothing together.
+  /// Throws ArgumentError for bad options and for options that exclude each other.
   void validate() const;
-  /// Whether a volume is seen through around the surface.
+  /// Whether a volume is rendered around the surface.
   bool in_volume() const { return !volume_array.empty() || !isos.empty(); }
 };
 
-/// Outcome of flow_pictures().
+/// Result of flow_pictures().
 struct SANSMESH_API FlowPicturesResult {
   FlowSurfaceReport surface;  ///< of the surface itself
-  int width = 0, height = 0;  ///< of each picture
+  int width = 0, height = 0;  ///< size of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Throws ArgumentError for what the flow has not, before long work.
+/// Throws ArgumentError early for arrays that the flow does not have.
 SANSMESH_API void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
 
-/// A picture, or frames of one, each handed over as it is made. `beside`: what stands in the same picture. Throws
-/// ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
+/// Draws a picture, or frames, each passed to `use` as it is made. `beside`: further surfaces in the same picture.
+/// Throws ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
 SANSMESH_API FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                              std::vector<PictureSurface> beside, const UsePicture& use,
+                                              std::vector<SceneFactory> beside, const UsePicture& use,
                                               Progress& progress);
 
 }  // namespace sansmesh::inline v1

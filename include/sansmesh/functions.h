@@ -1,4 +1,4 @@
-// Jobs on functions: fitted to points, meshed, probed, edited, diagnosed.
+// Jobs on functions: fit, mesh, probe, edit and diagnose.
 #pragma once
 
 #include <cstddef>
@@ -28,150 +28,148 @@ namespace sansmesh::inline v1 {
 
 /// Options of preparation and fit.
 struct FitFunctionOptions {
-  CloudPreparation cloud = {};  ///< done to the samples first
-  FitOptions fit = {};          ///< of the function
+  CloudPreparation cloud = {};  ///< preparation of the samples
+  FitOptions fit = {};          ///< fit of the function
 
-  /// The rows of its parts.
+  /// Option rows of its parts.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const { fit.validate(); }
 };
 
-/// What was done to the samples.
+/// Preparation of the samples.
 struct SANSMESH_API FitFunctionReport {
-  bool estimated_normals = false;       ///< there were none, or they were not wanted
-  std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
-  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
+  bool estimated_normals = false;       ///< the input had no normals, or they were not used
+  std::optional<OrientBy> oriented_by;  ///< origin of the signs of normals; empty: the input
+  std::string alignment;  ///< registration of scans as text; empty if not requested (CloudPreparation::align)
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Function of samples.
+/// Function fitted to samples.
 struct FitFunctionResult {
-  SurfaceFunction function;  ///< with the samples that it was fitted to
-  FitFunctionReport report;  ///< what was done to them
-  std::vector<Note> notes;   ///< "preparation": of the samples
+  SurfaceFunction function;  ///< function with its samples
+  FitFunctionReport report;  ///< preparation of the samples
+  std::vector<Note> notes;   ///< "preparation": notes on the samples
 };
 
-/// Fits an adaptive partition of unity to points. Throws DataError where they cannot be reconstructed (fewer than 9,
-/// all coincident, collinear or in a plane), ArgumentError for bad options, Cancelled.
+/// Fits an adaptive partition of unity to points. Throws DataError if they cannot be reconstructed (fewer than 9, all
+/// coincident, collinear or coplanar), ArgumentError for bad options, Cancelled.
 SANSMESH_API FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress);
 
 /// Mesh of a function.
 struct MeshFunctionResult {
-  TriangleMesh mesh;        ///< in the coordinates of the input
+  TriangleMesh mesh;        ///< mesh in the coordinates of the input
   MeshReport report;        ///< how it was made
-  std::vector<Note> notes;  ///< "mesh": what could not be as it was asked for, or samples that have no surface
+  std::vector<Note> notes;  ///< "mesh": options that could not be satisfied, or samples without a surface nearby
 };
 
-/// The zero set of the function as a manifold mesh (closed unless it bounds no solid, was trimmed or cut by the box),
-/// in the coordinates of the input. Throws DataError if nothing of it is left, ArgumentError for bad options,
+/// The zero set of the function as a manifold mesh in the coordinates of the input. It is closed unless it bounds no
+/// solid, was trimmed, or was cut by the box. Throws DataError if nothing is left, ArgumentError for bad options,
 /// Cancelled.
 SANSMESH_API MeshFunctionResult mesh_of_function(const SurfaceFunction& function, const MeshOptions& options,
                                                  Progress& progress);
 
-/// Numbers of a run of probe_function(). Distances from the surface are about those, without their sign.
+/// Report of probe_function(). Distances from the surface are absolute values of the approximate signed distances.
 struct SANSMESH_API ProbeFunctionReport {
-  std::size_t points = 0;       ///< places
-  std::size_t inside = 0;       ///< places with a negative value
+  std::size_t points = 0;       ///< query points
+  std::size_t inside = 0;       ///< query points with negative values
   double mean = 0;              ///< distance (length)
   double median = 0;            ///< distance (length)
   double largest = 0;           ///< distance (length)
-  double largest_gradient = 0;  ///< norm; near the surface about 1 where the function is sound
+  double largest_gradient = 0;  ///< norm of the gradient; about 1 near the surface of a sound function
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Values of a function at one place.
-struct SANSMESH_API ProbedPlace : LevelSetPoint {
-  Vec3 at;  ///< in the coordinates of the input
+/// Values of a function at a query point.
+struct SANSMESH_API ProbedPoint : LevelSetPoint {
+  Vec3 at;  ///< query point in the coordinates of the input
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Of so many points results list each.
+/// Results list single points up to this number.
 inline constexpr std::size_t kListedPoints = 20;
 
-/// Values of a function at places.
+/// Values of a function at query points.
 struct SANSMESH_API ProbeFunctionResult {
-  /// A place each: about the distance to the surface, negative inside, and the level set through the place; in the unit
-  /// of the input.
-  std::vector<ProbedPlace> values;
-  ProbeFunctionReport report;  ///< over all of them
+  /// Per query point: approximate signed distance, negative inside, and the geometry of the level set through the
+  /// point; in the unit of the input.
+  std::vector<ProbedPoint> values;
+  ProbeFunctionReport report;  ///< statistics of all points
 
-  /// Sets the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2 (float, a row a place). Throws
-  /// ArgumentError where the table has another number of rows.
+  /// Sets the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2 (float, one row per point). Throws
+  /// ArgumentError if the table has another number of rows.
   void add_to(AttributeTable& attributes) const;
 };
 
-/// Evaluates a function at places in the input's coordinates. Throws Cancelled.
-SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places,
+/// Evaluates a function at points in the input's coordinates. Throws Cancelled.
+SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> points,
                                                 Progress& progress);
 
-/// The points inside and, of twenty at most, each with its values, else statistics; in lines for people.
+/// Points inside, and the values of up to twenty points, else statistics; as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const ProbeFunctionResult& probed);
 
-/// Positions of points in coordinates of the input: origin + position.
-SANSMESH_API std::vector<Vec3> places_of(const PointSet& points);
+/// Positions of points in the coordinates of the input: origin + position.
+SANSMESH_API std::vector<Vec3> positions_of(const PointSet& points);
 
-/// A function to be edited, and its mesh, if there is one.
+/// A function to edit, and optionally its mesh.
 struct EditInput {
-  SurfaceFunction function;           ///< stays as it is: edits make another one
-  std::string name = "the function";  ///< in messages
-  /// The function's mesh before the edits, by mesh_of_function with default options: only what they change is made
-  /// anew.
+  SurfaceFunction function;           ///< unchanged; edits make a new function
+  std::string name = "the function";  ///< name in messages
+  /// Mesh of the function before the edits, from mesh_of_function with default options. Only the parts that the edits
+  /// change are meshed again.
   std::optional<TriangleMesh> mesh = {};
-  std::string mesh_name = "the mesh";  ///< in messages
+  std::string mesh_name = "the mesh";  ///< name in messages
 };
 
 /// An edited function.
 struct SANSMESH_API EditedFunction {
-  SurfaceFunction function;       ///< after all edits
-  std::vector<EditReport> steps;  ///< of each edit
-  TriangleMesh mesh = {};         ///< of the function; empty unless asked for
-  MeshUpdate update = {};         ///< what of it is new; of one that was made without another nothing is told
+  SurfaceFunction function;       ///< function after all edits
+  std::vector<EditReport> steps;  ///< report of each edit
+  TriangleMesh mesh = {};         ///< mesh of the function; empty unless requested
+  MeshUpdate update = {};         ///< what is new in the mesh; empty if there was no previous mesh
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Edits a function, one edit after the other; with `make_mesh` also its mesh as the edits leave it. Throws
-/// ArgumentError that begins with the step, "step 2: ", for edits with values out of range; DataError that begins with
-/// a name where an edit cannot be done, nothing is left to be meshed, or the mesh is not one of the function;
-/// Cancelled.
+/// Applies edits to a function in order; `make_mesh` also returns its mesh. Throws ArgumentError that begins with the
+/// step, "step 2: ", for values out of range; DataError that begins with a name if an edit fails, nothing is left to
+/// mesh, or the mesh is not one of the function; Cancelled.
 SANSMESH_API EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress);
 
-/// A suspicious place with its numbers in the list.
-struct SANSMESH_API ListedPlace {
-  SuspiciousPlace place;            ///< where, and why
-  std::size_t number = 0;           ///< from 1 on, kinds in their order
-  std::optional<std::size_t> step;  ///< of the edits, from 1 on
+/// Doubtful region of a function, numbered.
+struct SANSMESH_API ListedRegion {
+  SuspiciousPlace region;           ///< location and reason
+  std::size_t number = 0;           ///< number from 1, grouped by kind
+  std::optional<std::size_t> step;  ///< number of the proposed edit, from 1
 
-  /// The place's `worst` in words: "coverage down to 0.12".
+  /// The region's worst measure as text: "coverage down to 0.12".
   std::string worst_words() const;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Suspicious places of a function, with edits to try.
+/// Doubtful regions of a function, with proposed edits.
 struct SANSMESH_API DiagnoseResult {
-  std::size_t fits = 0;             ///< local approximations of the function
-  Diagnosis diagnosis;              ///< the places and the coloured mesh
-  std::vector<ListedPlace> places;  ///< the same places, numbered
-  std::vector<Edit> edits;          ///< to try, one for each place that has a step
+  std::size_t fits = 0;               ///< local approximations of the function
+  Diagnosis diagnosis;                ///< regions and the coloured mesh
+  std::vector<ListedRegion> regions;  ///< the same regions, numbered
+  std::vector<Edit> edits;            ///< proposed edits, one for each region that has a step
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Looks for places where a function should not be trusted without a look (METHODS §3.1,
-/// docs/methods/function-editing.md). Throws ArgumentError for bad options, DataError where the function has no
-/// surface; Cancelled.
+/// Finds doubtful regions of a function (docs/methods/function-editing.md). Throws ArgumentError for bad options,
+/// DataError if the function has no surface; Cancelled.
 SANSMESH_API DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options,
                                      Progress& progress);
 
-/// The places, kind by kind, in lines for people; `steps`: with the number of the edit that may mend each.
+/// The regions by kind, as lines of text. `steps`: with the number of the edit that may repair each.
 SANSMESH_API std::vector<std::string> summary_of(const DiagnoseResult& made, bool steps);
 
-/// Facts of a function. Lengths and places in the unit of the input.
+/// Facts about a function. Lengths and positions in the unit of the input.
 struct SANSMESH_API FunctionInfo {
   std::size_t fits = 0;           ///< local approximations
   FitsOfDegree fits_of_degree{};  ///< how many of them have degree 0, 1, …, kMaxDegree
@@ -179,27 +177,27 @@ struct SANSMESH_API FunctionInfo {
   int depth = 0;                  ///< deepest level of the tree
   /// Share of the surface that bounds no solid and ends with its samples.
   double open_share = 0;
-  double behind = 1;                 ///< mean winding number just behind the samples: 1 if the surface is closed
-  std::size_t samples = 0;           ///< that were kept
-  bool colors = false;               ///< of these
-  Box3 cube;                         ///< in which the function is defined: the whole tree of blocks
-  double spacing = 0;                ///< of the samples: edge of the square that one stands for (length)
-  double deviation = 0;              ///< of the samples from the surface, root mean square (length)
+  double mean_winding_number = 1;    ///< mean winding number just behind the samples: 1 for a closed surface
+  std::size_t samples = 0;           ///< samples that were kept
+  bool colors = false;               ///< the samples have colours
+  Box3 cube;                         ///< domain of the function: the cube of the octree
+  double spacing = 0;                ///< of the samples: edge of the square that one sample represents (length)
+  double deviation = 0;              ///< distance of the samples from the surface, root mean square (length)
   double accuracy = 0;               ///< estimated error of the surface, root mean square (length)
-  std::vector<std::string> history;  ///< edits that made it, one line each
-  std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be; files do not keep it
+  std::vector<std::string> history;  ///< edits applied so far, one line each
+  std::optional<PaperReport> paper;  ///< FitMethod::paper: construction of its blocks; not stored in files
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// What is known of a function, without evaluating it.
+/// Facts that need no evaluation.
 SANSMESH_API FunctionInfo info(const SurfaceFunction& function);
 
-/// An edit and its place, in words.
+/// An edit and its region as text.
 SANSMESH_API std::string words_of(const EditReport& step);
-/// What of a mesh of so many triangles is new: ", of which 162 are new; 98.8 % kept", or why all of it is.
+/// New part of a mesh with that many triangles: ", of which 162 are new; 98.8 % kept", or why all of it is new.
 SANSMESH_API std::string words_of(const MeshUpdate& update, std::size_t triangles);
-/// All of it in lines for people.
+/// All facts as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const FunctionInfo& info);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Pictures and other maps of pixels, in float.
+// Images and other pixel maps in float.
 #pragma once
 
 #include <algorithm>
@@ -7,23 +7,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "sansmesh/vec.h"
+
 namespace sansmesh::inline v1 {
 
-/// Rows from top to bottom, pixels from left to right.
+/// Pixel map: rows from top to bottom, pixels from left to right.
 template <class T>
 struct PixelMap {
-  int width = 0;          ///< pixels a row
-  int height = 0;         ///< rows
-  std::vector<T> pixels;  ///< width · height of them, row after row
+  int width = 0;          ///< pixels per row
+  int height = 0;         ///< number of rows
+  std::vector<T> pixels;  ///< width · height pixels, row by row
 
-  /// Without pixels.
+  /// Map without pixels.
   PixelMap() = default;
-  /// w · h pixels of one value; neither may be negative.
+  /// Map of w · h pixels of one value; neither may be negative.
   PixelMap(int w, int h, const T& value = {})
       : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
-  /// The pixel in column x, from the left, of row y, from the top, both from 0. Not checked.
+  /// Pixel in column x (from the left) of row y (from the top), both from 0. Not checked.
   T& at(int x, int y) { return pixels[index(x, y)]; }
-  /// The same of a constant map.
+  /// Same, for a constant map.
   const T& at(int x, int y) const { return pixels[index(x, y)]; }
 
  private:
@@ -32,22 +34,27 @@ struct PixelMap {
   }
 };
 
-/// sRGB with straight alpha: 0 is black or nothing, 1 white or opaque. Brighter than white is brighter than 1; files of
-/// bytes hold 0..1.
+/// sRGB with straight alpha: 0 is black or transparent, 1 white or opaque. Values above 1 are brighter than white;
+/// files of bytes hold 0..1.
 using Rgba = std::array<float, 4>;
-/// A picture, as read from and written to files.
+/// Image, as read from and written to files.
 using Image = PixelMap<Rgba>;
-/// Distances along the rays through the middles of the pixels; infinity where nothing is.
+/// Distances along the rays through the pixel centres; infinity where a ray hits nothing.
 using DepthMap = PixelMap<float>;
 
-/// A value of 0..1 as one of the 256 levels of a byte: the nearest one, or that which is rounded up to from `threshold`
-/// (above 0, up to 1) of a step on. Values beyond are clamped, NaN is 0.
+/// Quantises 0..1 to a byte: to the nearest level, or rounding up from a fraction `threshold` (above 0, up to 1) of a
+/// step. Clamps other values; NaN gives 0.
 inline std::uint8_t to_byte(float value, float threshold = 0.5f) {
   if (!(value > 0)) return 0;
   return static_cast<std::uint8_t>(255 * std::min(value, 1.0f) + 1 - threshold);
 }
 
-/// The value that to_byte makes this level of.
+/// A colour of 0..1 as bytes.
+inline std::array<std::uint8_t, 3> to_bytes(const Vec3f& color) {
+  return {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
+}
+
+/// Value of a level, the inverse of to_byte.
 constexpr float from_byte(std::uint8_t level) { return static_cast<float>(level) / 255; }
 
 }  // namespace sansmesh::inline v1

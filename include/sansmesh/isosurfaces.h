@@ -1,4 +1,4 @@
-// Surfaces in volumes: where a quantity has a value, at one moment or at many, and surfaces straight from the samples.
+// Surfaces in volumes: isosurfaces at one or many moments, and surfaces computed straight from the samples.
 #pragma once
 
 #include <cstddef>
@@ -23,163 +23,165 @@ namespace sansmesh::inline v1 {
 
 class VolumeSurface;
 
-// ---- Of a value --------------------------------------------------------------------------------------------------
+// ---- Isosurfaces -------------------------------------------------------------------------------------------------
 
-/// Which surface of a volume, and its mesh.
+/// Options of an isosurface and its mesh.
 struct SANSMESH_API VolumeIsosurfaceOptions {
-  std::optional<double> value = {};  ///< default: the middle of the array's range
-  /// Other arrays at the vertices, interpolated in the grid's own way: "all", "none", or names with commas between.
+  std::optional<double> value = {};  ///< isovalue; default: the middle of the array's range
+  /// Other arrays at the vertices, interpolated as by the grid: "all", "none", or names with commas.
   std::string carry = "all";
-  IsosurfaceOptions mesh = {};  ///< how it is cut out
+  IsosurfaceOptions mesh = {};  ///< how it is meshed
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// What became of an isosurface.
+/// Report of an isosurface.
 struct SANSMESH_API VolumeIsosurfaceReport {
   ReconstructionReport reconstruction;  ///< of the field
-  double value = 0;                     ///< on the surface
-  IsosurfaceReport mesh;                ///< how it was cut out
+  double value = 0;                     ///< isovalue
+  IsosurfaceReport mesh;                ///< how it was meshed
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
 /// An isosurface as a mesh.
 struct VolumeIsosurfaceResult {
-  TriangleMesh mesh;              ///< in the input's coordinates
-  VolumeIsosurfaceReport report;  ///< what became of it
-  /// Those of VolumeModel::field; "mesh": what became of the mesh; "not_carried": an array does not fit into floats.
+  TriangleMesh mesh;              ///< mesh in the input's coordinates
+  VolumeIsosurfaceReport report;  ///< how it was made
+  /// Those of VolumeModel::field; "mesh": notes on the mesh; "not_carried": an array does not fit into floats.
   std::vector<Note> notes;
 };
 
-/// The surface on which a quantity of a volume has a value, as a mesh: of the array that the volume was opened with.
-/// Throws as VolumeModel::isosurface, ArgumentError for bad options and where an array of several components needs a
-/// value, DataError where nothing is found, Cancelled.
+/// The isosurface of the volume's array as a mesh. Throws as VolumeModel::isosurface, ArgumentError for bad options and
+/// if an array of several components needs a value, DataError if nothing is found, Cancelled.
 SANSMESH_API VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurfaceOptions& options,
                                                Progress& progress);
 
 // ---- At many moments ---------------------------------------------------------------------------------------------
 
-/// Moments of a surface that changes.
+/// Moments of an isosurface that changes in time.
 struct SANSMESH_API IsosurfaceMomentsOptions {
-  std::optional<std::size_t> frames = {};  ///< moments from the first step to the last; default: as many as steps
-  /// How long the smallest blocks in space and time last (time, > 0); default: the shortest time between steps.
+  std::optional<std::size_t> frames =
+      {};  ///< number of moments from the first step to the last; default: the number of steps
+  /// Duration of the smallest blocks in space and time (time, > 0); default: the shortest time between steps.
   std::optional<double> time_cell = {};
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
 };
 
-/// The mesh of a moment, measured.
+/// Measures of the mesh of one moment.
 struct SANSMESH_API IsosurfaceMoment {
-  double time = 0;                                          ///< of the moment
-  std::size_t vertices = 0, triangles = 0, components = 0;  ///< how many
+  double time = 0;                                          ///< time of the moment
+  std::size_t vertices = 0, triangles = 0, components = 0;  ///< counts
   bool closed = true;                                       ///< no edge is open
   double area = 0, volume = 0;                              ///< length², length³
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// What became of a surface that changes.
+/// Report of an isosurface that changes in time.
 struct SANSMESH_API IsosurfaceMomentsReport {
   ReconstructionReport reconstruction;    ///< of the first step
-  double value = 0;                       ///< on the surface
-  std::size_t blocks = 0;                 ///< in space and time
+  double value = 0;                       ///< isovalue
+  std::size_t blocks = 0;                 ///< blocks in space and time
   double cell = 0, time_cell = 0;         ///< edge and duration of the smallest blocks
-  std::vector<IsosurfaceMoment> moments;  ///< in their order
+  std::vector<IsosurfaceMoment> moments;  ///< in order
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// A surface that changes; its meshes were handed over.
+/// Result of isosurface_moments(); the meshes were passed to the callback.
 struct IsosurfaceMomentsResult {
-  IsosurfaceMomentsReport report;  ///< what became of it
-  /// Those of VolumeModel::field; "no_surface": nothing is there at a moment; "more_triangles": fewer were asked for.
+  IsosurfaceMomentsReport report;  ///< how it was made
+  /// Those of VolumeModel::field; "no_surface": a moment has no surface; "more_triangles": more triangles than
+  /// requested.
   std::vector<Note> notes;
 };
 
-/// The surface on which a quantity of a volume that changes has a value, in space and time, cut at moments from the
-/// first step to the last: closed meshes, one after the other handed to `use` with the number of the moment. Throws as
-/// isosurface(), ArgumentError for `carry`, `closed` and `components`, which are not for these.
+/// The isosurface of a volume that changes, extracted in space and time and cut at moments from the first step to the
+/// last. The meshes are closed and passed to `use` in order, with the number of the moment. Throws as isosurface(), and
+/// ArgumentError for `carry`, `closed` and `components`, which do not apply here.
 SANSMESH_API IsosurfaceMomentsResult isosurface_moments(
     const VolumeSeries& series, const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments,
     const std::function<void(std::size_t, const TriangleMesh&)>& use, Progress& progress);
-/// Throws what isosurface_moments throws for its options, before anything is read.
+/// Throws what isosurface_moments throws for its options, before reading anything.
 SANSMESH_API void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments);
 /// Number of moments.
 SANSMESH_API std::size_t moment_count(const VolumeSeries& series, const IsosurfaceMomentsOptions& moments);
 
 // ---- Straight from the samples -----------------------------------------------------------------------------------
 
-/// Which surface of the samples.
+/// Options of a surface of the samples.
 struct SANSMESH_API SurfaceInVolumeOptions {
-  std::optional<double> value = {};   ///< default: the middle of the array's range; not for surfaces of high gradient
+  std::optional<double> value =
+      {};  ///< default: the middle of the array's range; not used for surfaces of high gradient
   VolumeSurfaceOptions surface = {};  ///< its value is the one above
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// A surface that a volume's samples define: of one value, or where the quantity changes most. Cheap to copy.
+/// Surface that the samples of a volume define: an isovalue, or the place of the steepest change. Cheap to copy.
 struct SANSMESH_API SurfaceInVolume {
   std::shared_ptr<const VolumeSurface> surface;  ///< for the jobs below and for pictures
   VolumeSurfaceReport report;                    ///< how it was found
-  double value = 0;                              ///< of the array; of high gradient none
-  std::string name;                              ///< of the volume, for messages
-  /// "resolved": the values are so smooth that an isosurface of the reconstruction is nearer.
+  double value = 0;                              ///< isovalue; not used for high gradients
+  std::string name;                              ///< name of the volume in messages
+  /// "resolved": the values are so smooth that an isosurface of the reconstruction is more accurate.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Of the array that the volume was opened with: of a component, or lengths of vectors. Throws ArgumentError for bad
-/// options and where an array of several components needs a value, DataError where no sample is near such a surface,
-/// Cancelled.
+/// Computes a surface of the array that the volume was opened with: of a component, or of the lengths of vectors.
+/// Throws ArgumentError for bad options and if an array of several components needs a value, DataError if no sample is
+/// near such a surface, Cancelled.
 SANSMESH_API SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolumeOptions& options,
                                                Progress& progress);
 
-/// Value, samples and weights, in lines for people.
+/// Value, samples and weights, as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const SurfaceInVolume& surface, const VolumeModel& volume,
                                                  Progress& progress);
 
-/// Its mesh.
+/// Options of its mesh.
 struct SANSMESH_API MeshInVolumeOptions {
   std::optional<double> mesh_error = {};      ///< as in MeshOptions
   std::optional<std::size_t> triangles = {};  ///< as in MeshOptions
-  ComponentChoice components = {};            ///< automatic: those that are larger than the weights are wide
+  ComponentChoice components = {};            ///< automatic: components larger than the support of the weights
 
-  /// The rows of these options.
+  /// Option rows, one per field.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// What became of its mesh.
+/// Report of its mesh.
 struct SANSMESH_API MeshInVolumeReport {
-  MeshReport mesh;               ///< how it was cut out
+  MeshReport mesh;               ///< how it was meshed
   double area = 0;               ///< length²
-  std::optional<double> volume;  ///< enclosed, where the mesh is closed
+  std::optional<double> volume;  ///< enclosed volume of a closed mesh
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Its mesh with what there is to say of it.
+/// Mesh of a surface of the samples.
 struct MeshInVolume {
-  TriangleMesh mesh;          ///< in the input's coordinates
-  MeshInVolumeReport report;  ///< what became of it
-  std::vector<Note> notes;    ///< "mesh": what became of the mesh
+  TriangleMesh mesh;          ///< mesh in the input's coordinates
+  MeshInVolumeReport report;  ///< how it was made
+  std::vector<Note> notes;    ///< "mesh": notes on the mesh
 };
 
-/// The surface as a mesh. Throws ArgumentError for bad options, DataError where nothing is found, Cancelled.
+/// Meshes the surface. Throws ArgumentError for bad options, DataError if nothing is found, Cancelled.
 SANSMESH_API MeshInVolume mesh_of_surface(const SurfaceInVolume& surface, const MeshInVolumeOptions& options,
                                           Progress& progress);
 
-/// Points spread evenly over the surface, so far apart (length, at least an eighth of the spacing; default: the
+/// Points spread evenly over the surface at a distance (length, at least an eighth of the spacing; default: the
 /// spacing), with normals, in the input's coordinates. Throws ArgumentError for other distances.
 SANSMESH_API PointSet points_of_surface(const SurfaceInVolume& surface, std::optional<double> distance,
                                         Progress& progress);

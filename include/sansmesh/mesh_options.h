@@ -1,4 +1,4 @@
-// Options of meshes, whatever field or solid they are cut out of, and what became of them.
+// Options and reports of meshes of fields and of solids.
 #pragma once
 
 #include <cstddef>
@@ -17,129 +17,130 @@
 
 namespace sansmesh::inline v1 {
 
-/// Which connected components of the surface are kept.
+/// Connected components of a surface that the mesh keeps.
 struct ComponentChoice {
-  /// How it is chosen.
+  /// Selection rule.
   enum class Kind {
-    automatic,  ///< of fitted surfaces those that enough samples stand for; of solids those of enough area
-    all,        ///< every one
+    automatic,  ///< fitted surfaces: components that enough samples support; solids: components of enough area
+    all,        ///< all components
     count       ///< the `count` largest
   };
-  Kind kind = Kind::automatic;  ///< how it is chosen
-  int count = 1;                ///< for Kind::count: this many of the largest
+  Kind kind = Kind::automatic;  ///< selection rule
+  int count = 1;                ///< for Kind::count: number of components to keep
 };
 
-/// The choice in a word: "auto", "all", "largest", "3".
+/// The choice as a word: "auto", "all", "largest", "3".
 SANSMESH_API std::string text_of_option(const ComponentChoice& choice);
 
-/// Reads such a word. Throws ArgumentError.
+/// Parses such a word. Throws ArgumentError.
 SANSMESH_API void option_of_text(std::string_view word, ComponentChoice& choice);
 
-/// How the surface is cut out of the blocks.
+/// Algorithm that extracts the mesh.
 enum class Mesher {
-  automatic,  ///< a fit as the sources have it is walked; whole blocks for all else
-  blocks,     ///< whole blocks, clustered, smoothed and simplified
-  walk        ///< the sources' walk from simplex to simplex, which knows no enhancement but `displacement`
+  automatic,  ///< `walk` for a fit by the source's method; `blocks` otherwise
+  blocks,     ///< marching over whole blocks, then clustering, smoothing and simplification
+  walk        ///< the source's walk from simplex to simplex; of the enhancements it supports only `displacement`
 };
 
-/// What a mesh of a surface should be like. All optional lengths are in the unit of the input; where absent they are
-/// derived from the field.
+/// Options of a mesh of a surface. Optional lengths are in the unit of the input; absent ones are derived from the
+/// field.
 struct SANSMESH_API MeshOptions {
-  Mesher mesher = Mesher::automatic;      ///< of fitted functions; other surfaces are cut out of whole blocks
+  Mesher mesher = Mesher::automatic;      ///< applies to fitted functions; other surfaces always use `blocks`
   std::optional<double> mesh_error = {};  ///< accepted mean distance between mesh and surface (length)
-  /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
+  /// Largest number of triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
   std::optional<std::size_t> triangles = {};
-  /// Where the surface ends with its samples (it bounds no solid): holes up to so wide are closed (length); default:
-  /// what the samples' local spacing leaves between them, such as gaps between the lines of a scanner.
+  /// Open surfaces: holes up to this width (length) are closed. Default: the width of gaps that the local spacing of
+  /// the samples explains, such as gaps between scan lines.
   std::optional<double> fill_holes = {};
   std::optional<double> trim =
       {};  ///< cut the surface farther than this from any sample (length); 0 = choose from data
-  ComponentChoice components = {};  ///< parts to keep
-  bool carry_colors = true;         ///< vertices get the colour of the nearest sample, where there are some
-  /// Whether the vertices get the attributes `distance` (to the nearest sample, length) and `confidence`
-  /// (0..1: 1 amid samples, 0 far from all of them); default: where some of the surface is open.
+  ComponentChoice components = {};  ///< components to keep
+  bool carry_colors = true;         ///< vertices take the colour of the nearest samples, if these have colours
+  /// Adds the vertex attributes `distance` (to the nearest sample, length) and `confidence` (1 amid samples, 0 far from
+  /// all of them). Default: only where part of the surface is open.
   std::optional<bool> confidence = {};
   bool enhance = true;  ///< few, well-shaped triangles: clustering, smoothing, simplification
-  /// Without `enhance`, or with a walk: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before
-  /// it is cut out, by up to α times a quarter of the local block edge.
+  /// Without `enhance`, or with a walk: α of tejada2008, 4.4.3, 0 ≤ α < 1. Before extraction, lattice vertices move
+  /// away from the surface by up to α times a quarter of the local block edge.
   double displacement = 0;
-  bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
-  std::optional<Box3> box = {};  ///< only what lies in this box (input coordinates), cut off straight and open there
-  /// Deepest level of the blocks that the surface is cut out of, 2..14: coarser.
+  bool measure_quality = false;  ///< report the aspect ratios (costs a second, unenhanced extraction)
+  std::optional<Box3> box = {};  ///< clip to this box (input coordinates); the mesh is open at the cuts
+  /// Deepest level of the blocks, 2..14; a smaller value gives a coarser mesh.
   std::optional<int> block_depth = {};
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< one row per field
   /// Throws ArgumentError naming the option.
   void validate() const;
-  /// The same for what is meshed by a walk: also where an option means nothing to it.
+  /// Checks of the options for a walk; also rejects options that a walk does not use.
   void validate_walk() const;
 };
 
-/// Numbers of a mesh of a surface. Lengths in the unit of the input.
+/// Figures of a mesh of a surface. Lengths are in the unit of the input.
 struct SANSMESH_API MeshReport {
-  std::size_t simplices = 0;           ///< that a walk went through; 0 without one
+  std::size_t simplices = 0;           ///< simplices visited by a walk; 0 without one
   std::size_t blocks = 0;              ///< leaf blocks
   int block_depth = 0;                 ///< deepest level of the tree of blocks
-  int components = 0;                  ///< of the mesh written
-  double aspect_mean_before = 0;       ///< aspect ratio of the unenhanced mesh: mean; 0 unless measured
+  int components = 0;                  ///< connected components of the mesh
+  double aspect_mean_before = 0;       ///< mean aspect ratio of the unenhanced mesh; 0 unless measured
   double aspect_deviation_before = 0;  ///< its standard deviation
-  double aspect_mean = 0;              ///< aspect ratio (METHODS 3.3) of the mesh: mean; 0 unless measured
-  double aspect_deviation = 0;         ///< its standard deviation
-  double mesh_error = 0;               ///< distance between mesh and surface aimed at (length)
-  bool open = false;                   ///< some of the surface bounds no solid, and ends where its samples do
-  /// Share of the samples farther from the mesh than two spacings and four times the noise: they have no surface.
+  /// Mean aspect ratio l_max P / (4√3 S) of the mesh's triangles (1: equilateral); 0 unless measured.
+  double aspect_mean = 0;
+  double aspect_deviation = 0;  ///< its standard deviation
+  double mesh_error = 0;        ///< target distance between mesh and surface (length)
+  bool open = false;            ///< part of the surface bounds no solid and ends where its samples end
+  /// Share of the samples without a surface: farther from the mesh than two spacings and four times the noise.
   double lost = 0;
-  std::optional<Vec3> most_lost;      ///< if that is more than one in a hundred: where most of them are
-  std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
+  std::optional<Vec3> most_lost;      ///< location of most of these samples, if their share exceeds 0.01
+  std::vector<std::string> warnings;  ///< requests that could not be met, one sentence each
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per reported value
 };
 
-/// What the mesh of a solid should be like. Lengths in the unit of its expression.
+/// Options of a mesh of a solid. Lengths are in the unit of its expression.
 struct SANSMESH_API CsgMeshOptions {
-  /// Accepted mean distance between curved parts and their triangles (length); by default a 50,000th of the diagonal of
-  /// the box. Of solids that are more than minima and maxima of smooth pieces (deformed ones): as simplification asks
-  /// for.
+  /// Accepted mean distance between curved parts and their triangles (length). Default: a 50,000th of the box's
+  /// diagonal. For solids that are not minima and maxima of smooth functions (deformed solids), the default follows
+  /// from `simplify`.
   std::optional<double> mesh_error = std::nullopt;
-  /// At most this many triangles, at least 4: the mesh error then follows from it.
+  /// Largest number of triangles, at least 4; the mesh error then follows from it.
   std::optional<std::size_t> triangles = std::nullopt;
-  /// Edge of the blocks along curved parts, whatever the error, and of the smallest ones (length). Balls, rods and
-  /// tubes thinner than one of them can be lost; a warning says so of those that are known to be thin.
+  /// Edge of the smallest blocks and of all blocks along curved parts, independent of the error (length). Balls, rods
+  /// and tubes thinner than one block can be lost; a warning reports those that are known to be thin.
   std::optional<double> cell = std::nullopt;
-  /// Instead: such blocks along the longest side of the box, 4..4096. With neither, blocks are as small as the error
-  /// and thin parts ask for. Of solids that are more than minima and maxima of smooth pieces: the box's diagonal has
-  /// 256, or up to 1024 where functions show more or parts are thin.
+  /// Alternative to `cell`: number of such blocks along the longest side of the box, 4..4096. With neither, the error
+  /// and thin parts determine the size. For solids that are not minima and maxima of smooth functions, the box's
+  /// diagonal has 256 blocks, or up to 1024 where functions have finer detail or parts are thin.
   std::optional<int> resolution = std::nullopt;
-  /// The solid is cut off at this box. Needed if it has no end otherwise.
+  /// Clips the solid. Required if the solid is unbounded.
   std::optional<Box3> box = std::nullopt;
-  /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat, and no
-  /// difference where it is exactly so. 0 = off; by default as the mesh error asks for, with `cell` about a thousandth
-  /// of that.
+  /// Edges are collapsed while the quadric error stays below this (length), so that flat parts have few triangles;
+  /// exactly flat parts keep their shape. 0 = off. Default: derived from the mesh error; with `cell`, about a
+  /// thousandth of it.
   std::optional<double> simplify = std::nullopt;
 
-  /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area. Default: all.
+  /// Components to keep. Automatic: those of at least 1.5 % of the largest one's area. Default: all.
   std::optional<ComponentChoice> components = {};
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< one row per field
   /// Throws ArgumentError naming the option.
   void validate() const;
 };
 
-/// Numbers of a mesh of a solid.
+/// Figures of a mesh of a solid.
 struct SANSMESH_API CsgMeshReport {
-  Box3 box;                    ///< in which the surface lies: tight to a thirty-second of the solid's bounds
+  Box3 box;                    ///< contains the surface; tight to a thirty-second of the solid's bounds
   double cell = 0;             ///< edge of the smallest blocks
   int depth = 0;               ///< levels of the tree of blocks
   std::size_t blocks = 0;      ///< leaf blocks
-  std::size_t components = 0;  ///< of the mesh
-  bool closed = false;         ///< and manifold and oriented
-  double area = 0;             ///< of the mesh, length²
-  double volume = 0;           ///< of the mesh, length³
-  double mean_error = 0;       ///< distance of the triangles' middles from the surface: mean over the area (length)
-  double largest_error = 0;    ///< distance of the triangles' middles from the surface: largest (length)
-  std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
+  std::size_t components = 0;  ///< connected components of the mesh
+  bool closed = false;         ///< closed, manifold and oriented
+  double area = 0;             ///< area of the mesh, length²
+  double volume = 0;           ///< volume of the mesh, length³
+  double mean_error = 0;       ///< mean distance from triangle centroids to the surface, weighted by area (length)
+  double largest_error = 0;    ///< largest distance from a triangle centroid to the surface (length)
+  std::vector<std::string> warnings;  ///< requests that could not be met, one sentence each
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per reported value
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,5 @@
-// Options as data. Each options struct lists its fields once, as rows; validation, command lines and their help, JSON
-// and the bindings of other languages are made from the rows.
+// Options as data. Each options struct lists its fields once, as rows. Validation, command lines and their help, JSON
+// and language bindings are derived from the rows.
 #pragma once
 
 #include <cstddef>
@@ -20,81 +20,88 @@
 
 namespace sansmesh::inline v1 {
 
-/// The value of any option. Nothing: it is not set, and follows from the data.
+/// Value of an option; monostate: not set, derived from the data.
 using OptionValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                                  std::vector<std::string>>;
 
 /// Type of an option's value.
 enum class OptionKind : std::uint8_t {
   flag,     ///< bool
-  whole,    ///< a whole number
-  real,     ///< a real number
-  text,     ///< any text, or one of a type that has words for its values
-  choice,   ///< one of a few words; its value is the word
-  numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
-  texts,    ///< a list of texts
-  group,    ///< a struct of options
-  steps     ///< a list of steps, done one after the other; its rows are the kinds of steps
+  whole,    ///< integer
+  real,     ///< real number
+  text,     ///< any text, or the text form of a type
+  choice,   ///< one of a fixed set of words; its value is the word
+  numbers,  ///< list of `count` numbers; of any length if `count` is 0
+  texts,    ///< list of texts
+  group,    ///< nested struct of options
+  steps     ///< list of steps in execution order; its rows are the kinds of steps
 };
 
-/// Numbers that an option takes. An end that is excluded is approached only.
+/// Range of numbers. An excluded end can only be approached.
 struct SANSMESH_API OptionRange {
   double least = -std::numeric_limits<double>::infinity();  ///< lower end
   double most = std::numeric_limits<double>::infinity();    ///< upper end
   bool above = false;                                       ///< `least` itself is excluded
   bool below = false;                                       ///< `most` itself is excluded
 
-  /// Whether the number is finite and lies in the range.
+  /// Whether the number is finite and in the range.
   bool holds(double value) const;
-  /// The range in words: "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if any number is taken.
+  /// Returns the range as text: "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if unrestricted.
   std::string words() const;
 };
 
 /// All numbers above 0, or above 0 and up to `most`.
 constexpr OptionRange positive(double most = std::numeric_limits<double>::infinity()) { return {0, most, true, false}; }
-/// `least` and more.
+/// All numbers from `least` on.
 constexpr OptionRange at_least(double least) { return {.least = least}; }
 
-/// What is said of an option besides its field.
+/// Description of an option.
 struct OptionFacts {
-  std::string_view text;            ///< a sentence without its full stop; options stand between grave accents
-  std::string_view unit = {};       ///< "length", "degrees", "pixels", "share", "seconds", …
-  std::string_view from_data = {};  ///< what is chosen where the option is not set
-  OptionRange range = {};           ///< of numbers, each of them
-  std::span<const std::string_view> choices = {};      ///< the words, in the order of the enumerators, from 0 on
-  std::string_view name = {};                          ///< where it is not the field's
-  std::string_view negative = {};                      ///< of flags: its name turned off; "no_" and its name if empty
-  std::string_view negative_text = {};                 ///< of flags: what it does turned off, where `text` is not that
-  std::string_view implied = {};                       ///< its value where it is named without one; "" is one, too
-  std::string_view needs = {};                         ///< an option without which this one means nothing
-  std::string_view excludes = {};                      ///< an option that cannot be set as well
-  std::span<const std::string_view> usual_words = {};  ///< of a text: some that it may be, to be offered
-  std::span<const std::string_view> endings = {};      ///< of a file (unit "file"), with dots; none: whatever is read
-  std::string_view old_name = {};  ///< that it had, understood and warned of; a flag that is on by itself: turned off
+  std::string_view text;                           ///< a sentence without its full stop; options between grave accents
+  std::string_view unit = {};                      ///< "length", "degrees", "pixels", "share", "seconds", …
+  std::string_view from_data = {};                 ///< value derived from the data if the option is not set
+  OptionRange range = {};                          ///< range of a number, or of each number of a list
+  std::span<const std::string_view> choices = {};  ///< words, in the order of the enumerators, from 0 on
+  std::string_view name = {};                      ///< name, if it differs from the field's
+  std::string_view negative = {};                  ///< name of a flag turned off; "no_" and its name if empty
+  std::string_view negative_text = {};             ///< effect of a flag turned off, if `text` does not describe it
+  std::string_view implied = {};                   ///< value if the option is given without one; may be ""
+  std::string_view needs = {};                     ///< another option that this one requires
+  std::string_view excludes = {};                  ///< an option that conflicts with this one
+  std::span<const std::string_view> usual_words = {};  ///< suggested values of a text
+  std::span<const std::string_view> endings = {};      ///< file suffixes with dots; none: all readable formats
+  std::string_view old_name = {};                      ///< former name (warned of); for a default-on flag, its negative
 };
 
-/// One field of an options struct: what is said of it, its type, and how it is read and written. Made by option(),
+/// One field of an options struct: its description, its type, and functions that read and write it. Made by option(),
 /// option_group(), option_step() and option_steps().
 struct OptionRow : OptionFacts {
-  /// Whether it may be named without a value: `implied` is then its value.
+  /// Whether the option may be given without a value: its value is then `implied`.
   bool may_stand_alone() const { return implied.data() != nullptr; }
 
   OptionKind kind = OptionKind::flag;  ///< type of its value
-  bool optional = false;               ///< may be left to the data
+  bool optional = false;               ///< may be unset: derived from the data
   bool step = false;                   ///< one of `steps`: setting it adds a step to the list
-  int count = 1;                       ///< of numbers
-  /// Reads the field of a struct; null for groups. Choices come as numbers, or as words: see option_value.
+  int count = 1;                       ///< length of a list of numbers
+  /// Reads the field of a struct; null for groups. Choices are numbers, or words: see option_value.
   OptionValue (*get)(const void* options) = nullptr;
-  /// Writes the field of a struct, without any check; null for groups. See set_option.
+  /// Writes the field of a struct without checks; null for groups. See set_option.
   void (*set)(void* options, const OptionValue& value) = nullptr;
-  void* (*part)(void* options) = nullptr;  ///< of a group: the struct; of steps: the list
-  std::span<const OptionRow> rows = {};    ///< of a group or steps
+  void* (*part)(void* options) = nullptr;  ///< struct of a group; list of steps
+  std::span<const OptionRow> rows = {};    ///< rows of a group or of steps
 };
 
 /// All options of a struct.
 struct OptionSchema {
-  std::span<const OptionRow> rows;  ///< in the order in which they are told; they live as long as the program
+  std::span<const OptionRow> rows;  ///< in display order; they live as long as the program
 };
+
+/// Schema of rows with static storage: `static constexpr OptionRow rows[] = {…}; return option_schema<rows>();`.
+template <const auto& rows>
+const OptionSchema& option_schema() {
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
 
 namespace schema_detail {
 
@@ -111,7 +118,7 @@ struct IsOptional : std::false_type {};
 template <class T>
 struct IsOptional<std::optional<T>> : std::true_type {};
 
-/// The name of a field or member function, as the compiler spells it.
+/// Name of a field or member function in the compiler's spelling.
 template <auto member>
 consteval std::string_view field_name_of() {
   std::string_view text = __PRETTY_FUNCTION__;
@@ -120,7 +127,7 @@ consteval std::string_view field_name_of() {
   return text.substr(text.rfind(':') + 1);
 }
 
-/// How a field of a type is read and written; where words stand for values, `words` are they.
+/// Reads and writes a field of a type; `words` are the words of its values, if it has any.
 template <class T>
 struct Field;
 template <>
@@ -184,7 +191,7 @@ struct Field<Box3> {
   }
 };
 
-/// Enumerations are read as numbers here; a row's `choices` makes them words (option_value, set_option).
+/// Enumerations are numbers here; a row's `choices` converts them to words (option_value, set_option).
 template <class T>
 requires std::is_enum_v<T>
 struct Field<T> {
@@ -193,8 +200,8 @@ struct Field<T> {
   static T from(const OptionValue& v) { return static_cast<T>(std::get<std::int64_t>(v)); }
 };
 
-/// Types that have words for their values: text_of_option(value) and option_of_text(word, value), found by their
-/// namespace. The latter throws ArgumentError whose fault has value and what is allowed; set_option adds the field.
+/// Types with a text form: text_of_option(value) and option_of_text(word, value), found by argument-dependent lookup.
+/// The latter throws ArgumentError whose fault holds the value and the allowed values; set_option adds the field.
 template <class T>
 concept HasWords = requires(const T& value, T& to, std::string_view word) {
   { text_of_option(value) } -> std::convertible_to<std::string>;
@@ -240,9 +247,9 @@ using FieldOr = typename ChooseField<Words, T>::type;
 
 }  // namespace schema_detail
 
-/// The row of a field, `option<&SmoothOptions::strength>({.text = "How far a round goes", .range = positive(0.65)})`.
-/// `Words` reads and writes a field whose type does not tell how: a struct with `kind`, `get` and `from` as Field has
-/// them.
+/// Makes the row of a field: `option<&SmoothOptions::strength>({.text = "Step length of a round", .range =
+/// positive(0.65)})`. `Words` reads and writes a field whose type has no Field: a struct with `kind`, `get` and `from`
+/// as in Field.
 template <auto member, class Words = void>
 constexpr OptionRow option(const OptionFacts& facts) {
   using Owner = typename schema_detail::MemberOf<decltype(member)>::owner;
@@ -276,7 +283,7 @@ constexpr OptionRow option(const OptionFacts& facts) {
   return row;
 }
 
-/// The rows of a struct within a struct. Their names stand beside those of the outer one.
+/// Makes the rows of a nested struct. Their names are on the same level as those of the outer struct.
 template <auto member>
 constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFacts& facts = {}) {
   using Owner = typename schema_detail::MemberOf<decltype(member)>::owner;
@@ -289,8 +296,8 @@ constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFa
   return row;
 }
 
-/// The row of one kind of step: `make` makes a step of a value, `[](const OptionValue& value) -> Step`. The value of a
-/// flag is true.
+/// Makes the row of one kind of step: `make` converts a value to a step, `[](const OptionValue& value) -> Step`. The
+/// value of a flag is true.
 template <class Step, auto make>
 constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int count = 1) {
   OptionRow row;
@@ -305,7 +312,7 @@ constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int c
   return row;
 }
 
-/// A list of steps; a row for each kind.
+/// Makes the row of a list of steps, from one row per kind.
 template <auto member>
 constexpr OptionRow option_steps(std::span<const OptionRow> rows) {
   OptionRow row = option_group<member>(rows);
@@ -313,50 +320,50 @@ constexpr OptionRow option_steps(std::span<const OptionRow> rows) {
   return row;
 }
 
-/// A struct with a schema: `static const OptionSchema& schema();`.
+/// Struct with a schema: `static const OptionSchema& schema();`.
 template <class T>
 concept HasSchema = requires {
   { T::schema() } -> std::convertible_to<const OptionSchema&>;
 };
 
-/// Calls `use` for every row, those of groups and steps in their place, with the struct (or list) that it is a field
-/// of.
+/// Calls `use` for every row, including the rows of groups and steps, with the struct (or list) that owns the field.
 SANSMESH_API void for_each_option(const OptionSchema& schema, void* options,
                                   const std::function<void(const OptionRow& row, void* owner)>& use);
-/// The same of a constant struct.
+/// Same, for a constant struct.
 SANSMESH_API void for_each_option(const OptionSchema& schema, const void* options,
                                   const std::function<void(const OptionRow& row, const void* owner)>& use);
 
-/// Value of a row's field in the struct `owner`, choices as words. Throws ArgumentError for what is none of these.
+/// Value of a row's field in the struct `owner`, choices as words. Throws ArgumentError if the field holds no valid
+/// choice.
 SANSMESH_API OptionValue option_value(const OptionRow& row, const void* owner);
-/// Sets a row's field in the struct `owner`: checks kind, range and words. Whole numbers are taken for real ones.
+/// Sets a row's field in the struct `owner` after checking kind, range and words. Converts integers to real numbers.
 /// Throws ArgumentError.
 SANSMESH_API void set_option(const OptionRow& row, void* owner, const OptionValue& value);
-/// A value in words: "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
+/// Formats a value: "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
 SANSMESH_API std::string option_words(const OptionValue& value);
 
-/// Throws ArgumentError unless every value lies in its range, needs what is set and excludes what is set. `usual` is a
-/// default-constructed struct.
+/// Throws ArgumentError unless every value is in its range, every required option is set and no conflicting option is
+/// set. `usual` is a default-constructed struct.
 SANSMESH_API void validate_options(const OptionSchema& schema, const void* options, const void* usual);
-/// The same of a struct with a schema.
+/// Same, for a struct with a schema.
 template <HasSchema T>
 void validate_options(const T& options) {
   const T usual{};
   validate_options(T::schema(), &options, &usual);
 }
 
-/// Names of the options that differ from those of a default-constructed struct.
+/// Names of the options that differ from a default-constructed struct.
 SANSMESH_API std::vector<std::string_view> options_set(const OptionSchema& schema, const void* options,
                                                        const void* usual);
-/// The same of a struct with a schema.
+/// Same, for a struct with a schema.
 template <HasSchema T>
 std::vector<std::string_view> options_set(const T& options) {
   const T usual{};
   return options_set(T::schema(), &options, &usual);
 }
 
-/// Throws ArgumentError if an option is set that is none of `used` and one of `some`: options that mean something to
-/// some methods only. `method` is the one that does not use it.
+/// Throws ArgumentError if an option of `some` is set that is not in `used`. `some` are options that only some methods
+/// use; `method` names the one that does not.
 SANSMESH_API void check_used(const std::vector<std::string_view>& set, std::span<const std::string_view> used,
                              std::span<const std::string_view> some, std::string_view method);
 

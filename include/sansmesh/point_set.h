@@ -1,4 +1,4 @@
-// The cloud: what every reader returns and every method takes.
+// Point cloud: result of every reader and input of every method.
 #pragma once
 
 #include <array>
@@ -17,55 +17,55 @@ namespace sansmesh::inline v1 {
 
 /// Samples of a surface as a structure of arrays. Every optional array is either empty or as long as `positions`.
 struct PointSet {
-  /// Positions relative to `origin`, in the file's unit. Survey coordinates (six-digit eastings with millimetres)
-  /// lose nothing in float this way: world position = origin + position.
+  /// Origin of the positions in the file's unit: world position = origin + position. Keeps survey coordinates
+  /// (six-digit eastings with millimetres) exact in float.
   Vec3 origin;
-  /// Of the samples, relative to `origin`.
+  /// Positions of the samples relative to `origin`.
   std::vector<Vec3f> positions;
-  /// Unit normals pointing outward, or zero where unknown; empty if the file has none.
+  /// Outward unit normals, zero if unknown; empty if the file has none.
   std::vector<Vec3f> normals;
   /// RGB, 0..255.
   std::vector<std::array<std::uint8_t, 3>> colors;
-  /// Whatever else is known of each sample (confidence, intensity, curvatures, …): a row each.
+  /// Other properties of the samples (confidence, intensity, curvatures, …): a row each.
   AttributeTable attributes;
-  /// Which scan the sample is of: the index of the position that saw it (`scanners`). Of indices beyond these the
-  /// position is unknown, of kUnknownScan the scan, too. May be empty.
+  /// Scan of each sample: index into `scanners`. For larger indices the scanner position is unknown, for kUnknownScan
+  /// the scan too. May be empty.
   std::vector<std::uint16_t> scan_of_point;
-  static constexpr std::uint16_t kUnknownScan = 65535;  ///< entry of `scan_of_point` where the scan is not known
-  /// Scanner positions relative to `origin`, where known.
+  static constexpr std::uint16_t kUnknownScan = 65535;  ///< `scan_of_point` of an unknown scan
+  /// Known scanner positions, relative to `origin`.
   std::vector<Vec3f> scanners;
-  /// What the scans are called, by their index: files. As far as known; may be empty.
+  /// Names of the scans by index, usually files; may be incomplete or empty.
   std::vector<std::string> scan_names;
-  /// Of clouds in rows and columns, such as depth frames: the unit normal of the grid at the sample, on the side from
-  /// which it was seen, or zero where unknown. Too rough for a normal, but it tells the side.
+  /// Unit normals of organised clouds (depth frames) from neighbouring rows and columns, towards the sensor, zero if
+  /// unknown. Too inaccurate for normals, but sufficient for their signs.
   std::vector<Vec3f> grid_normals;
-  /// Triangles, where the file was a mesh or polygon soup (indices into positions); may be empty.
+  /// Triangles of a mesh or polygon soup (indices into positions); may be empty.
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// What is known of each triangle: a row each.
+  /// Properties of the triangles: a row each.
   AttributeTable triangle_attributes;
-  /// Every sample lies on a face of a mesh, so there is a surface at each: none is a stray.
+  /// All samples are on faces of a mesh, so none is a stray sample.
   bool of_faces = false;
 
   /// Number of samples.
   std::size_t size() const { return positions.size(); }
-  /// Whether there are normals, be some of them unknown.
+  /// Whether there are normals; some may be unknown.
   bool has_normals() const { return !normals.empty(); }
   /// Whether there are colours.
   bool has_colors() const { return !colors.empty(); }
 };
 
-/// Smallest box around the positions (relative to the origin).
+/// Bounding box of the positions (relative to the origin).
 inline Box3f bounds(const PointSet& points) {
   Box3f box;
   for (const Vec3f& p : points.positions) box.extend(p);
   return box;
 }
 
-/// Keeps the samples whose mask is 0, with all that belongs to them, in order. Triangles with a removed corner go.
-/// Throws ArgumentError if the mask has another length than the cloud.
+/// Keeps the samples with mask 0 and their properties, in order. Removes triangles with a removed corner. Throws
+/// ArgumentError if the mask and the cloud differ in length.
 SANSMESH_API void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
 
-/// Sample i is what sample rows[i] is, with all that belongs to it but triangles. Row numbers must exist.
+/// Cloud whose sample i is sample rows[i], with its properties but without triangles. Row numbers must exist.
 SANSMESH_API PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows);
 
 }  // namespace sansmesh::inline v1

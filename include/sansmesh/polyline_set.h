@@ -1,4 +1,4 @@
-// Lines of points: what particles leave behind.
+// Polylines, for example trajectories of particles.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Lines in space. Line i has the points offsets[i], …, offsets[i + 1] − 1 (at least one).
+/// Set of polylines. Line i has the points offsets[i], …, offsets[i + 1] − 1 (at least one).
 struct PolylineSet {
-  Vec3 origin;                          ///< of the coordinates: where a point lies is origin + position
-  std::vector<Vec3f> positions;         ///< of the points, relative to `origin`, line after line
-  std::vector<std::size_t> offsets{0};  ///< where in `positions` a line begins; one more entry than lines
-  AttributeTable attributes;            ///< a row for each point
-  AttributeTable line_attributes;       ///< a row for each line
+  Vec3 origin;                          ///< world position = origin + position
+  std::vector<Vec3f> positions;         ///< points relative to `origin`, line by line
+  std::vector<std::size_t> offsets{0};  ///< start of each line in `positions`; one more entry than lines
+  AttributeTable attributes;            ///< a row per point
+  AttributeTable line_attributes;       ///< a row per line
   /// Number of lines.
   std::size_t size() const { return offsets.size() - 1; }
 };

@@ -1,4 +1,4 @@
-// Progress and cancellation of long work, passed by reference. Cheap enough for inner blocks; safe from any thread.
+// Progress and cancellation of long jobs, passed by reference. Cheap enough for inner loops; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +12,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// Progress and cancellation of one job. Stages are entered in sequence by the algorithm (`begin`), advanced by its
-/// workers (`advance`), and observed by the caller: through a callback, or by a class that overrides `report` and
-/// `wants_stop`. Wall time of each finished stage is kept (`timings`). Not copied or moved; the caller keeps it until
-/// the job has returned. One object serves one job at a time.
+/// Progress and cancellation of one job. The algorithm enters stages in sequence (`begin`), its workers advance them
+/// (`advance`), and the caller observes them through a callback or a class that overrides `report` and `wants_stop`.
+/// Keeps the times of finished stages (`timings`). Neither copyable nor movable; the caller keeps it until the job has
+/// returned. One object serves one job at a time.
 class SANSMESH_API Progress {
  public:
-  /// Called with the stage's name and the fraction done in [0, 1], from one thread at a time, at most ~100 times a
-  /// stage.
+  /// Receives the stage's name and the fraction done in [0, 1]. Called from one thread at a time, at most ~100 times
+  /// per stage.
   using Callback = std::function<void(const std::string& stage, double fraction)>;
 
-  /// Without a callback.
+  /// Progress without a callback.
   Progress();
   /// Reports to `callback`, which may call cancel() but no other function of this object.
   explicit Progress(Callback callback);
@@ -32,31 +32,31 @@ class SANSMESH_API Progress {
 
   /// Ends the current stage and starts another of `total` work units. Throws Cancelled after cancel().
   void begin(const std::string& stage, std::size_t total = 1);
-  /// Reports `units` of work done; throws Cancelled after cancel().
+  /// Reports `units` of work as done; throws Cancelled after cancel().
   void advance(std::size_t units = 1);
-  /// Ends the current stage, if there is one, and keeps its times.
+  /// Ends the current stage, if any, and keeps its times.
   void finish();
 
-  /// Asks the job to stop: its next begin(), advance() or check() throws Cancelled. Safe from any thread and from the
-  /// callback; cannot be taken back.
+  /// Requests the job to stop: its next begin(), advance() or check() throws Cancelled. Callable from any thread and
+  /// from the callback; irrevocable.
   void cancel();
-  /// Throws Cancelled after cancel(), or once `wants_stop` says so.
+  /// Throws Cancelled after cancel(), or once `wants_stop` returns true.
   void check() const;
 
-  /// Time that a finished stage took.
+  /// Time of a finished stage.
   struct Timing {
-    std::string stage;        ///< name
-    double wall_seconds = 0;  ///< from its begin() to its end
-    double cpu_seconds = 0;   ///< of the whole process meanwhile, all threads (process_cpu_seconds)
+    std::string stage;        ///< name of the stage
+    double wall_seconds = 0;  ///< wall time of the stage
+    double cpu_seconds = 0;   ///< CPU time of the whole process during the stage, all threads (process_cpu_seconds)
   };
-  /// Finished stages in the order they ran. To be read once the job has returned: it is not guarded against a stage
-  /// that ends meanwhile.
+  /// Finished stages in their order. Read it after the job has returned: access is not synchronised with stages that
+  /// end meanwhile.
   const std::vector<Timing>& timings() const;
 
  protected:
-  /// As Callback is called, which it calls itself unless it is overridden. Exceptions end the job.
+  /// Called as Callback is; the default implementation calls the callback. Exceptions end the job.
   virtual void report(const std::string& stage, double fraction);
-  /// Asked at every check point, from any thread: true cancels the job. Should be quick.
+  /// Called at every check point, from any thread: true cancels the job. Must be fast.
   virtual bool wants_stop() const;
 
  private:
@@ -64,17 +64,17 @@ class SANSMESH_API Progress {
   std::unique_ptr<State> state_;
 };
 
-/// While it lives, Progress::cancel() ends with Cancelled whatever the calling thread does in loops of the library (on
-/// all their threads), in readers and writers of files, and in waits for pipes: at the next range of a loop, block of a
-/// file or tenth of a second. It must end on the same thread, in reverse order of scopes (a local variable). Of scopes
-/// within each other the innermost counts.
+/// While a scope lives, Progress::cancel() ends with Cancelled the library's loops (on all their threads), file readers
+/// and writers, and waits for pipes that the calling thread starts: at the next range of a loop, block of a file or
+/// tenth of a second. It must end on the same thread, in reverse order of construction (a local variable). The
+/// innermost of nested scopes counts.
 ///
 ///     Progress progress;
 ///     const CancelScope scope(progress);
 ///     const PointSet points = read_points(file);  // ends when another thread calls progress.cancel()
 class SANSMESH_API CancelScope {
  public:
-  /// Begins; `progress` stays until the scope ends.
+  /// Opens the scope; `progress` must outlive it.
   explicit CancelScope(const Progress& progress);
   ~CancelScope();
   CancelScope(const CancelScope&) = delete;
@@ -84,7 +84,7 @@ class SANSMESH_API CancelScope {
   const Progress* before_;
 };
 
-/// CPU seconds (user + system, all threads) this process has used so far.
+/// CPU seconds (user + system, all threads) of this process so far.
 SANSMESH_API double process_cpu_seconds();
 
 }  // namespace sansmesh::inline v1

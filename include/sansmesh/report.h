@@ -1,5 +1,5 @@
-// Reports as data. Each report struct lists what it tells once, as rows; JSON, the list of its keys and the results of
-// other languages are made from the rows.
+// Reports as data. Each report struct lists its fields once, as rows. JSON, the list of its keys and the results in
+// other languages are derived from the rows.
 #pragma once
 
 #include <array>
@@ -23,61 +23,68 @@
 
 namespace sansmesh::inline v1 {
 
-/// Counts by name, where the names depend on the data.
+/// Counts by name, for names that depend on the data.
 using ReportCounts = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// Value of a row; monostate where there is none.
+/// Value of a row; monostate if there is none.
 using ReportValue =
     std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
                  std::vector<double>, std::vector<std::string>, std::vector<std::vector<double>>, ReportCounts>;
 
-/// Kind of the value of a row.
+/// Kind of a row's value.
 enum class ReportKind : std::uint8_t {
   flag,
   whole,
   real,
   text,
-  choice,   ///< one of a few words
-  wholes,   ///< a list
-  numbers,  ///< a list; NaN where one of them is not known
+  choice,   ///< one of a fixed set of words
+  wholes,   ///< list of integers
+  numbers,  ///< list of numbers; NaN for unknown ones
   texts,
-  table,   ///< a list of lists of numbers: the corners of a box, the rows of a matrix
-  counts,  ///< whole numbers by names
-  report,  ///< another report, or none
-  reports  ///< a list of them
+  table,   ///< list of lists of numbers: the corners of a box, the rows of a matrix
+  counts,  ///< integers by name
+  report,  ///< nested report, possibly absent
+  reports  ///< list of reports
 };
 
-/// The words of a row.
+/// Description of a row.
 struct ReportFacts {
-  std::string_view name = {};  ///< where it is not the field's: "moved.rms" is `rms` of a group `moved`
+  std::string_view name = {};  ///< name, if it differs from the field's: "moved.rms" is `rms` of a group `moved`
   std::string_view text = {};  ///< a sentence without its full stop
   std::string_view unit = {};  ///< "length", "degrees", "share", "s", …
-  std::span<const std::string_view> choices = {};  ///< the words of a choice, in the order of the enumerators
+  std::span<const std::string_view> choices = {};  ///< words of a choice, in the order of the enumerators
 };
 
 struct ReportRow;
 
-/// All that a struct tells.
+/// All rows of a report struct.
 struct ReportSchema {
-  std::span<const ReportRow> rows;  ///< in the order in which they are told; they live as long as the program
+  std::span<const ReportRow> rows;  ///< in display order; they live as long as the program
 };
+
+/// Schema of rows with static storage: `static constexpr ReportRow rows[] = {…}; return report_schema<rows>();`.
+template <const auto& rows>
+const ReportSchema& report_schema() {
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
 
 /// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 
-/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by
+/// Field of a report, or a value derived from its fields: description, kind, and a function that reads it. Made by
 /// reported(), reported_beside() and reported_base().
 struct ReportRow : ReportFacts {
-  ReportKind kind = ReportKind::flag;  ///< how its value is told
-  bool optional = false;               ///< there may be none
-  bool beside = false;                 ///< of a report: its rows stand beside the others, without a name
-  /// Its value; null of reports. Choices come as numbers: see report_value.
+  ReportKind kind = ReportKind::flag;  ///< kind of its value
+  bool optional = false;               ///< may be absent
+  bool beside = false;                 ///< nested report whose rows are on the same level, without a name
+  /// Reads the value; null for reports. Choices are numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
-  const ReportSchema& (*part)() = nullptr;                         ///< of a report or several
-  void (*each)(const void* report, const UsePart& use) = nullptr;  ///< calls for each of these
+  const ReportSchema& (*part)() = nullptr;                         ///< schema of a nested report or list of reports
+  void (*each)(const void* report, const UsePart& use) = nullptr;  ///< calls `use` for each nested report
 };
 
-/// A struct with a schema: `static const ReportSchema& schema();`.
+/// Struct with a schema: `static const ReportSchema& schema();`.
 template <class T>
 concept HasReport = requires {
   { T::schema() } -> std::same_as<const ReportSchema&>;
@@ -85,7 +92,7 @@ concept HasReport = requires {
 
 namespace report_detail {
 
-/// The struct that a getter takes: a member, a member function, or a function without a state.
+/// Struct that a getter reads: a member, a member function, or a stateless function.
 template <class T>
 struct OwnerOf {
   using type = typename OwnerOf<decltype(&T::operator())>::type;
@@ -102,10 +109,10 @@ struct OwnerOf<T (Lambda::*)(const Owner&) const> {
 template <auto getter>
 using Owner = typename OwnerOf<decltype(getter)>::type;
 template <auto getter>
-using Told = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
+using ResultOf = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
 
-/// What a getter gets. Of functions another one of the same type is called: an argument of a template that is an object
-/// of an unnamed type is one for all sources to clang, which number these types alike.
+/// Calls a getter. For functions it calls a new object of the same type: clang mangles template arguments of unnamed
+/// types alike in all sources.
 template <auto getter, class T>
 decltype(auto) got(const T& owner) {
   if constexpr (std::is_member_pointer_v<decltype(getter)>)
@@ -214,7 +221,7 @@ ReportValue value_of(const T& v) {
   }
 }
 
-/// The report type of a report, of one that there may be, or of a list of them.
+/// Report type of a report, of an optional report, or of a list of reports.
 template <class T>
 struct PartOf {
   using type = T;
@@ -241,33 +248,33 @@ void use_parts(const T& v, const UsePart& use) {
 
 }  // namespace report_detail
 
-/// The row of a field, `reported<&SmoothReport::mean_edge>({.text = "Mean length of the edges", .unit = "length"})`. In
-/// place of the field a member function, or a lambda of the struct, whose row needs a name. The field is one of the
-/// struct itself, not of a base (see reported_base).
+/// Makes the row of a field: `reported<&SmoothReport::mean_edge>({.text = "Mean length of the edges", .unit =
+/// "length"})`. The getter may also be a member function, or a lambda of the struct, whose row needs a name. The field
+/// must belong to the struct itself, not to a base (see reported_base).
 template <auto getter, class Owner = report_detail::Owner<getter>>
 constexpr ReportRow reported(const ReportFacts& facts) {
-  using Told = report_detail::Told<getter>;
+  using Value = report_detail::ResultOf<getter>;
   ReportRow row;
   static_cast<ReportFacts&>(row) = facts;
   if constexpr (std::is_member_pointer_v<decltype(getter)>)
     if (row.name.empty()) row.name = schema_detail::field_name_of<getter>();
-  row.kind = report_detail::kind_of<Told>();
-  row.optional = schema_detail::IsOptional<Told>::value;
-  if constexpr (report_detail::kind_of<Told>() == ReportKind::report ||
-                report_detail::kind_of<Told>() == ReportKind::reports) {
-    row.part = &report_detail::PartOf<Told>::type::schema;
+  row.kind = report_detail::kind_of<Value>();
+  row.optional = schema_detail::IsOptional<Value>::value;
+  if constexpr (report_detail::kind_of<Value>() == ReportKind::report ||
+                report_detail::kind_of<Value>() == ReportKind::reports) {
+    row.part = &report_detail::PartOf<Value>::type::schema;
     row.each = [](const void* report, const UsePart& use) {
-      report_detail::use_parts<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)), use);
+      report_detail::use_parts<Value>(report_detail::got<getter>(*static_cast<const Owner*>(report)), use);
     };
   } else {
     row.get = [](const void* report) {
-      return report_detail::value_of<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)));
+      return report_detail::value_of<Value>(report_detail::got<getter>(*static_cast<const Owner*>(report)));
     };
   }
   return row;
 }
 
-/// The rows of a report within a struct, which stand beside the others.
+/// Includes the rows of a nested report on the same level.
 template <auto getter>
 constexpr ReportRow reported_beside() {
   ReportRow row = reported<getter>({});
@@ -275,7 +282,7 @@ constexpr ReportRow reported_beside() {
   return row;
 }
 
-/// The rows of a base of a struct, which stand beside the others.
+/// Includes the rows of a base struct on the same level.
 template <class Base, class Derived>
 constexpr ReportRow reported_base() {
   ReportRow row;
@@ -288,13 +295,13 @@ constexpr ReportRow reported_base() {
   return row;
 }
 
-/// A value that is told only where something holds.
+/// Value that is reported only under a condition.
 template <class T>
-std::optional<T> told_if(bool holds, T value) {
+std::optional<T> value_if(bool holds, T value) {
   return holds ? std::optional<T>(std::move(value)) : std::nullopt;
 }
 
-/// The value of a row, choices as words. Not of reports.
+/// Value of a row, choices as words. Not for nested reports.
 SANSMESH_API ReportValue report_value(const ReportRow& row, const void* report);
 
 }  // namespace sansmesh::inline v1

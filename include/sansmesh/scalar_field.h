@@ -1,5 +1,5 @@
-// A field that can be evaluated anywhere: the one interface between methods (which make fields from samples) and
-// consumers (polygonisers, renderers, evaluators), none of which knows the other.
+// Scalar field on space: the interface between methods, which construct fields from samples, and consumers
+// (polygonisers, renderers, evaluators).
 #pragma once
 
 #include <algorithm>
@@ -13,74 +13,74 @@
 
 namespace sansmesh::inline v1 {
 
-/// An interval of values, both ends included.
+/// Closed interval of values.
 struct ValueRange {
   double least = 0;  ///< lower end, may be −infinity
   double most = 0;   ///< upper end, may be infinity
-  /// Whether 0 lies in it: a surface is possible.
+  /// Whether the interval contains 0, so that a surface is possible.
   bool holds_zero() const { return least <= 0 && most >= 0; }
 };
 
-/// Fields that know nothing of their slopes are taken to be no steeper than this. It is not known.
+/// Assumed bound of the gradient norm for fields without a known bound.
 constexpr double kAssumedSlope = 1.5;
 
-/// A scalar function on space. Implicit surfaces are negative inside, positive outside, and near their zero set
-/// measured in units of length (the gradient has norm about 1).
+/// Scalar function on space. Implicit surfaces are negative inside and positive outside; near their zero set they
+/// approximate the distance (the gradient norm is about 1).
 ///
-/// Who runs in parallel: the field does. Whoever asks hands over all points that it has, and makes no loop for the sake
-/// of threads; the field spreads a large batch over the threads of its caller (sansmesh/threads.h),
-/// or hands it on to fields that do. It may be asked inside a loop all the same, there with a batch for each iteration.
-/// The same holds for VectorField, VolumeField and SpaceMap.
+/// Parallelism is the field's task. Callers pass all their points in one call instead of looping in parallel; the field
+/// distributes a large batch over the threads of its caller (sansmesh/threads.h), or passes it to fields that do. Calls
+/// from within a parallel loop are allowed, with a batch per iteration. The same holds for VectorField, VolumeField and
+/// SpaceMap.
 class SANSMESH_API ScalarField {
  public:
-  /// Owners may hold it as a ScalarField.
+  /// Allows ownership through a ScalarField pointer.
   virtual ~ScalarField() = default;
 
-  /// Box in which the field is defined; outside it evaluate() still returns finite values.
+  /// Domain of the field; outside it, evaluate() still returns finite values.
   virtual Box3 bounds() const = 0;
 
-  /// Values, and if `gradients` is not empty gradients, at all of x. One call per batch: neighbouring points in
-  /// neighbouring slots evaluate fastest. Sizes must agree (gradients may be empty). Safe from several threads.
+  /// Evaluates values and, unless `gradients` is empty, gradients at all of x. One call per batch, fastest if
+  /// neighbouring points are adjacent. Sizes must agree. Thread-safe.
   virtual void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const = 0;
 
-  /// The same, and which of x lie in the domain of definition (1; elsewhere 0): only there does a change of sign mean a
-  /// surface. A field that is defined everywhere need not override this.
+  /// Same, and sets `inside` to 1 for points in the domain and to 0 elsewhere: only there does a change of sign mean a
+  /// surface. The default is for fields defined everywhere.
   virtual void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                   std::span<std::uint8_t> inside) const {
     evaluate(x, values, gradients);
     std::fill(inside.begin(), inside.end(), std::uint8_t{1});
   }
 
-  /// Both by one call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  /// Both functions through the common interface of fields. Throws ArgumentError if sizes differ.
   void query(const Places& at, const ScalarAnswers& wanted) const;
 
-  /// What all values within `radius` (>= 0) of each of x lie between: where that does not hold 0, no surface is so
-  /// near. As many entries as x; infinite ends where nothing is known. Fields that do not override this (fields of
-  /// samples, of callers) are taken to be no steeper than kAssumedSlope; the others say what they take for
-  /// granted. Safe from several threads.
+  /// Bounds the values within `radius` (>= 0) of each of x: if the interval does not contain 0, no surface is within
+  /// this distance. As many entries as x; infinite ends if nothing is known. The default (for fields of samples or of
+  /// callers) assumes gradients of at most kAssumedSlope; overriding fields document their assumptions. Thread-safe.
   virtual void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
 };
 
 namespace detail {
-/// ScalarField::ranges of a field whose gradients are no longer than `slope`.
+/// ScalarField::ranges of a field whose gradient norm is at most `slope`.
 SANSMESH_API void ranges_by_slope(const ScalarField& field, double slope, std::span<const Vec3> x, double radius,
                                   std::span<ValueRange> found);
-/// Puts the answers of another field where `inside` is 0. Sizes must agree (gradients may be empty).
+/// Replaces values and gradients by those of another field where `inside` is 0. Sizes must agree (gradients may be
+/// empty).
 SANSMESH_API void fill_undefined(const ScalarField& other, std::span<const Vec3> x,
                                  std::span<const std::uint8_t> inside, std::span<double> values,
                                  std::span<Vec3> gradients);
 }  // namespace detail
 
-/// A field at one place, and the principal curvatures of its level set there: 1 / length, positive where the set
-/// {F <= F(x)} is convex, k1 >= k2; both 0 where the gradient vanishes.
+/// Field value at a point and principal curvatures of its level set there: 1 / length, positive if the set {F <= F(x)}
+/// is convex, k1 >= k2; both 0 if the gradient vanishes.
 struct LevelSetPoint {
-  double value = 0;  ///< of the field
-  Vec3 gradient;     ///< of the field: value per length
+  double value = 0;  ///< field value
+  Vec3 gradient;     ///< field gradient: value per length
   double k1 = 0;     ///< larger principal curvature (1 / length)
   double k2 = 0;     ///< smaller principal curvature (1 / length)
-  /// (k1 + k2) / 2 (1 / length).
+  /// Mean curvature (k1 + k2) / 2 (1 / length).
   double mean_curvature() const { return 0.5 * (k1 + k2); }
-  /// k1 k2 (1 / length²).
+  /// Gaussian curvature k1 k2 (1 / length²).
   double gaussian_curvature() const { return k1 * k2; }
 };
 

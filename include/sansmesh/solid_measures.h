@@ -1,4 +1,4 @@
-// Measures of solids, cross-sections and maps of distances.
+// Measures of solids, cross-sections and distance maps.
 #pragma once
 
 #include <array>
@@ -20,188 +20,188 @@
 
 namespace sansmesh::inline v1 {
 
-/// A box in any direction.
+/// An oriented box.
 struct SANSMESH_API OrientedBox {
   std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
   std::array<double, 3> sizes{};  ///< along the axes, descending
   Vec3 center;                    ///< middle of the box
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// Volume and moments of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
 struct MassMeasures {
   double volume = 0;                ///< length³; negative if the triangles face inward
-  Vec3 center;                      ///< of mass
+  Vec3 center;                      ///< centre of mass
   std::array<double, 3> moments{};  ///< principal moments of inertia about the centre, ascending (length⁵)
-  /// Axes of these: orthonormal, right-handed. Where moments are equal any axes do.
+  /// Principal axes: orthonormal, right-handed; arbitrary where moments are equal.
   std::array<Vec3, 3> axes{};
 };
 
 /// Measures of a set of triangles.
 struct SANSMESH_API BodyMeasures {
-  std::size_t triangles = 0;          ///< that were measured
-  std::size_t boundary_edges = 0;     ///< of one triangle
-  std::size_t open_edges = 0;         ///< that more triangles run through in one direction than in the other
-  std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
+  std::size_t triangles = 0;          ///< number of triangles measured
+  std::size_t boundary_edges = 0;     ///< edges with one triangle
+  std::size_t open_edges = 0;         ///< edges whose triangles do not cancel in direction
+  std::size_t nonmanifold_edges = 0;  ///< edges with three triangles or more
   double area = 0;                    ///< length²
-  Vec3 surface_center;                ///< mean of the surface's points
-  Box3 box;                           ///< around the triangles
-  /// Volume and moments. Only if closed: there is no inside otherwise.
+  Vec3 surface_center;                ///< centroid of the surface
+  Box3 box;                           ///< bounding box of the triangles
+  /// Volume and moments. Absent unless closed: an open surface has no inside.
   std::optional<MassMeasures> mass;
 
-  /// Every edge is run through as often in one direction as in the other: then the volume does not depend on where it
-  /// is measured from.
+  /// Every edge is traversed equally often in both directions, so that the volume is independent of the origin.
   bool closed() const { return triangles > 0 && open_edges == 0; }
 
-  /// Of a component: the winding number of the other closed components around it. 0 outside of all of them.
+  /// For a component: winding number of the other closed components around it; 0 outside of all.
   int surrounding = 0;
-  /// Its volume is neither that of a solid that stands free nor that of a cavity in one.
+  /// The sign of its volume fits neither a free solid nor a cavity in another one.
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-/// Measures of a solid, as a whole and by components.
+/// Measures of a solid, in total and by component.
 struct SANSMESH_API SolidMeasures {
-  BodyMeasures whole;                    ///< all triangles together
-  std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, largest area first
-  MeshTopology topology;                 ///< of the whole
-  /// The box of least volume that was found: not larger than the upright one, nor than that along the principal axes.
+  BodyMeasures whole;                    ///< all triangles
+  std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, by descending area
+  MeshTopology topology;                 ///< topology of all triangles
+  /// The smallest box found: no larger than the axis-aligned box and the box along the principal axes.
   OrientedBox smallest_box;
-  /// Triangles with a corner that is not finite or missing, or with two corners that are one.
+  /// Triangles with a missing or non-finite corner, or with two equal corners.
   std::size_t left_out = 0;
-  std::size_t crossing_pairs = 0;       ///< pairs of triangles that cut through each other
-  std::size_t crossing_components = 0;  ///< components that cut through another one
+  std::size_t crossing_pairs = 0;       ///< pairs of intersecting triangles
+  std::size_t crossing_components = 0;  ///< components that intersect another one
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-/// The points x with ⟨normal, x⟩ = offset, and a frame (u, v, normal), right-handed and orthonormal. The coordinates of
-/// x within the plane are (⟨u, x⟩, ⟨v, x⟩): for z = c these are x and y, for x = c y and z, for y = c z and x.
+/// The plane ⟨normal, x⟩ = offset with a right-handed orthonormal frame (u, v, normal). In-plane coordinates of x are
+/// (⟨u, x⟩, ⟨v, x⟩): x and y for z = c, y and z for x = c, z and x for y = c.
 struct CutPlane {
   Vec3 normal{0, 0, 1};         ///< unit
-  double offset = 0;            ///< distance from 0, along the normal (length)
-  Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< unit vector along that coordinate within the plane
+  double offset = 0;            ///< distance from the origin along the normal (length)
+  Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< unit vectors of the in-plane coordinates
 
-  /// Signed distance of x from the plane: positive on the side that the normal points to.
+  /// Signed distance of x from the plane, positive on the side of the normal.
   double height(const Vec3& x) const { return dot(normal, x) - offset; }
-  /// The point with coordinates (a, b) within the plane.
+  /// The point with in-plane coordinates (a, b).
   Vec3 at(double a, double b) const { return u * a + v * b + normal * offset; }
 };
 
-/// The plane ⟨normal, x⟩ = offset for a normal of any length (both are divided by it). Throws ArgumentError unless all
-/// is finite and the normal has a direction.
+/// The plane ⟨normal, x⟩ = offset for a normal of any length (both sides are divided by it). Throws ArgumentError
+/// unless all numbers are finite and the normal is not zero.
 SANSMESH_API CutPlane cut_plane(const Vec3& normal, double offset);
 
 /// The plane x, y or z (axis 0, 1 or 2) = value.
 SANSMESH_API CutPlane axis_plane(int axis, double value);
 
-/// `count` planes across an axis at start, start + step, … Throws ArgumentError if count < 1 or > 100000, the step is
-/// not finite, or 0 for several planes.
+/// `count` planes perpendicular to an axis at start, start + step, … Throws ArgumentError if count < 1 or > 100000, if
+/// the step is not finite, or if it is 0 for several planes.
 SANSMESH_API std::vector<CutPlane> plane_series(int axis, double start, double step, int count);
 
-/// `count` planes across an axis that cut the box into count + 1 slices of equal thickness.
+/// `count` planes perpendicular to an axis that cut the box into count + 1 slices of equal thickness.
 SANSMESH_API std::vector<CutPlane> spread_planes(const Box3& box, int axis, int count);
 
-/// Three planes, x, y and z = c, through the middle of the box.
+/// Three planes x, y and z = c through the centre of the box.
 SANSMESH_API std::vector<CutPlane> middle_planes(const Box3& box);
 
-/// Reads a plane: "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
+/// Parses "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
 SANSMESH_API CutPlane parse_plane(const std::string& text);
 
-/// A plane as parse_plane reads it, to the last digit: its words in schemas (sansmesh/option.h).
+/// Exact text of a plane in the syntax of parse_plane, for schemas (sansmesh/option.h).
 SANSMESH_API std::string text_of_option(const CutPlane& plane);
 
-/// The same way back, by parse_plane.
+/// Inverse of text_of_option.
 inline void option_of_text(std::string_view text, CutPlane& plane) { plane = parse_plane(std::string(text)); }
 
-/// A plane as its equation, for people to read: "z = 0.5", or "0.6 x + 0.8 y = 1".
+/// Equation of a plane for display: "z = 0.5", or "0.6 x + 0.8 y = 1".
 SANSMESH_API std::string equation(const CutPlane& plane);
 
-/// One curve of a cross-section: a polyline. Seen against the plane's normal (u to the right, v up) the solid lies to
-/// the left of its direction: outer boundaries run counter-clockwise, holes clockwise.
+/// One polyline of a cross-section. Seen against the normal (u to the right, v up) the solid is on the left of the
+/// curve: outer boundaries are counter-clockwise, holes clockwise.
 struct SectionCurve {
-  std::vector<Vec3> points;                  ///< in space; the first is not repeated at the end of a closed curve
-  std::vector<std::array<double, 2>> plane;  ///< the same in the plane's coordinates (u, v)
-  bool closed = false;                       ///< the last point is joined to the first
-  double length = 0;                         ///< of the curve
-  double area = 0;  ///< enclosed, with the sign of the direction: negative for holes; 0 if open
+  std::vector<Vec3> points;                  ///< in space; a closed curve does not repeat its first point
+  std::vector<std::array<double, 2>> plane;  ///< the same in plane coordinates (u, v)
+  bool closed = false;                       ///< the last point connects to the first
+  double length = 0;                         ///< length of the curve
+  double area = 0;                           ///< enclosed area, signed by orientation: negative for holes; 0 if open
 };
 
 /// Cross-section of a surface with a plane.
 struct SANSMESH_API Section {
-  CutPlane plane;                    ///< that cuts
+  CutPlane plane;                    ///< cutting plane
   std::vector<SectionCurve> curves;  ///< open ones first
-  double length = 0;                 ///< of all curves together
-  /// Enclosed area (length²): sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
+  double length = 0;                 ///< total length of the curves
+  /// Enclosed area (length²): signed sum over the closed curves. Negative if the surface faces inward.
   double area = 0;
-  bool closed() const;              ///< whether every curve is
-  std::size_t open_curves() const;  ///< curves that are not closed
+  bool closed() const;              ///< every curve is closed
+  std::size_t open_curves() const;  ///< number of open curves
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-/// What a map of distances measures and shows. Lengths in the unit of the input. What is absent follows from the data.
+/// Options of a distance map. Lengths are in the unit of the input. Absent values follow from the data.
 struct SANSMESH_API DistanceMapOptions {
-  /// Places farther off than this belong to something else and are left out (> 0). Default: a tenth of the diagonal of
+  /// Points farther away are left out (> 0), since they belong to another object. Default: a tenth of the diagonal of
   /// the reference's box.
   std::optional<double> max_distance = {};
-  std::optional<double> within = {};  ///< length: the statistics tell which share keeps within it (>= 0)
-  /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area stays within, rounded
-  /// up to two digits, but at least 1e-6 of the diagonal of the reference's box.
+  std::optional<double> within = {};  ///< tolerance (length, >= 0): the statistics report the share within it
+  /// Half of the range of the histogram and the colours (> 0). Default: the bound of 99 % of the area, rounded up to
+  /// two digits, and at least 1e-6 of the diagonal of the reference's box.
   std::optional<double> color_range = {};
-  bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
-  bool reversed = false;     ///< the map lies on the reference, distances are to the part, with their sign reversed
+  bool skip_border = false;  ///< leaves out points whose closest point is on the border of an open reference
+  bool reversed = false;     ///< maps the reference: distances to the part, with reversed sign
 
-  static const OptionSchema& schema();  ///< a row a field
-  /// Throws ArgumentError naming the field.
+  static const OptionSchema& schema();  ///< one row per field
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// Statistics of distances, over what was measured. Lengths in the unit of the input. On a mesh every vertex weighs as
-/// much as a third of the area of its triangles, so that dense places count no more than others; points all weigh the
-/// same. NaN where nothing was measured.
+/// Statistics of the measured distances, in the unit of the input. The weight of a mesh vertex is a third of the area
+/// of its triangles, so that the density of vertices has no effect; all points of a cloud have the same weight. NaN if
+/// nothing was measured.
 struct SANSMESH_API DistanceStatistics {
-  double mean = 0;                         ///< of the signed distance
-  double mean_absolute = 0;                ///< mean of its absolute value
+  double mean = 0;                         ///< mean signed distance
+  double mean_absolute = 0;                ///< mean absolute distance
   double rms = 0;                          ///< root mean square
-  double deviation = 0;                    ///< standard deviation from the mean
+  double deviation = 0;                    ///< standard deviation
   double p05 = 0;                          ///< 5 % quantile of the signed distance
-  double median = 0;                       ///< of the signed distance
+  double median = 0;                       ///< median signed distance
   double p95 = 0;                          ///< 95 % quantile of the signed distance
-  double p95_absolute = 0;                 ///< 95 % quantile of its absolute value
-  double lowest = 0;                       ///< least signed distance of all that was measured, whatever its weight
-  double highest = 0;                      ///< largest signed distance of all that was measured, whatever its weight
-  Vec3 lowest_at;                          ///< where that is, on the mapped surface (world coordinates)
-  Vec3 highest_at;                         ///< where that is, on the mapped surface (world coordinates)
-  std::optional<double> within_tolerance;  ///< share of the weight within ±tolerance, 0..1; nothing without one
-  double area = 0;                         ///< that was measured (length²); of points: their number
-  /// Share of the weight in kHistogramBins bins of equal width over −range..range (0..range without sides).
+  double p95_absolute = 0;                 ///< 95 % quantile of the absolute distance
+  double lowest = 0;                       ///< smallest signed distance, without regard to weights
+  double highest = 0;                      ///< largest signed distance, without regard to weights
+  Vec3 lowest_at;                          ///< position of the smallest, on the mapped surface (world coordinates)
+  Vec3 highest_at;                         ///< position of the largest, on the mapped surface (world coordinates)
+  std::optional<double> within_tolerance;  ///< share of the weight within ±tolerance, 0..1; absent without a tolerance
+  double area = 0;                         ///< measured area (length²); for points their number
+  /// Shares of the weight in kHistogramBins bins of equal width over −range..range (0..range without sides).
   std::vector<double> histogram;
   double below_range = 0;       ///< share of the weight below −range
   double above_range = 0;       ///< share of the weight above range
-  double range = 0;             ///< half of the range of the histogram and of the colours (length, > 0)
-  bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
+  double range = 0;             ///< half of the range of the histogram and the colours (length, > 0)
+  bool smallest_range = false;  ///< the range is the smallest allowed, since nearly all distances are below it
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-/// Distances of the vertices of one surface from another one. Lengths in the unit of the input.
+/// Distances of the vertices of one surface from another one, in the unit of the input.
 struct SANSMESH_API DistanceMap {
-  std::vector<float> distance;    ///< of every vertex; positive outside; NaN where it was left out
-  bool has_sides = true;          ///< false: only absolute values are known
-  double max_distance = 0;        ///< as used
-  std::size_t measured = 0;       ///< vertices with a distance
-  std::size_t beyond = 0;         ///< left out: farther than max_distance
-  std::size_t not_found = 0;      ///< left out: no surface could be found from there
-  std::size_t at_border = 0;      ///< whose closest point lies on a border; left out only with skip_border
-  std::size_t not_finite = 0;     ///< left out: vertices that are not finite, or that no triangle uses
-  DistanceStatistics statistics;  ///< of the distances
+  std::vector<float> distance;    ///< per vertex, positive outside; NaN if left out
+  bool has_sides = true;          ///< false: distances are absolute
+  double max_distance = 0;        ///< value used
+  std::size_t measured = 0;       ///< number of vertices with a distance
+  std::size_t beyond = 0;         ///< left out: farther away than max_distance
+  std::size_t not_found = 0;      ///< left out: the search found no surface
+  std::size_t at_border = 0;      ///< closest point on a border; left out only with skip_border
+  std::size_t not_finite = 0;     ///< left out: vertices that are not finite or unused
+  DistanceStatistics statistics;  ///< statistics of the distances
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-inline constexpr std::size_t kHistogramBins = 41;  ///< of DistanceStatistics::histogram; odd: one bin lies around 0
+inline constexpr std::size_t kHistogramBins =
+    41;  ///< size of DistanceStatistics::histogram; odd: one bin is centred at 0
 
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,5 @@
-// A map of space: where what is seen at a place comes from. The interface between what deforms (handles, tetrahedra
-// that move, maps on lattices) and what is deformed (fields, volumes, meshes), none of which knows the other.
+// Map of space for deformations: the interface between deformations (handles, moving tetrahedra, displacement lattices)
+// and deformed objects (fields, volumes, meshes).
 #pragma once
 
 #include <span>
@@ -11,38 +11,37 @@
 
 namespace sansmesh::inline v1 {
 
-/// What is wanted at a batch of points; spans that are empty are not wanted.
+/// Requested results of a batch of points; empty spans are not computed.
 struct MapAnswers {
-  std::span<Vec3> positions;      ///< T(x), where what is at x comes from
-  std::span<Jacobian> jacobians;  ///< [k] = ∂T/∂x_k; its determinant is negative where space is folded
-  /// Above 0 in a gap that a cut has opened, where nothing comes from anywhere, below 0 elsewhere; near the faces of
-  /// the gap about the distance from them, and continuous there. −infinity where no cut is near.
+  std::span<Vec3> positions;      ///< T(x), the source position of x
+  std::span<Jacobian> jacobians;  ///< [k] = ∂T/∂x_k; negative determinant where space is folded
+  /// Positive inside a gap opened by a cut, where no source exists, negative elsewhere; near the faces of a gap it is
+  /// continuous and approximates the distance from them. −infinity far from all cuts.
   std::span<double> gaps;
-  std::span<Vec3> gap_gradients;  ///< of `gaps`; zero where these are infinite
+  std::span<Vec3> gap_gradients;  ///< gradients of `gaps`; zero where these are infinite
 };
 
-/// Positions x after the deformation to positions T(x) before it (backward), or the other way round (forward): its
-/// maker says which.
+/// Map between positions before and after a deformation: x after to T(x) before (backward map) or the reverse (forward
+/// map), as its source defines.
 class SANSMESH_API SpaceMap {
  public:
-  /// Owners may hold it as a SpaceMap.
+  /// Allows ownership through a SpaceMap pointer.
   virtual ~SpaceMap() = default;
 
-  /// All that is wanted at all of x. Where the map is not defined (outside of tetrahedra) positions are NaN. Each
-  /// answer depends on its point alone, not on the rest of the batch nor on threads. Sizes must agree. Safe from
-  /// several threads. The map itself runs in parallel, as ScalarField does: whoever asks hands over all points that it
-  /// has.
+  /// Evaluates the requested results at all of x. Positions are NaN where the map is undefined (outside of tetrahedra).
+  /// Each result depends on its point only, not on the batch or on threads. Sizes must agree. Thread-safe. The map runs
+  /// in parallel, as ScalarField does: pass all points in one call.
   virtual void map(std::span<const Vec3> x, const MapAnswers& wanted) const = 0;
 
-  /// The same by a call of the shape that all fields have: values are positions, and `inside` is where the map is
-  /// defined and no gap. Throws ArgumentError where sizes do not agree.
+  /// Same, through the common interface of fields: values are positions, and `inside` marks where the map is defined
+  /// and has no gap. Throws ArgumentError if sizes differ.
   void query(const Places& at, const VectorAnswers& wanted) const;
 
-  /// Whether there may be gaps anywhere: if not, nobody needs to ask for them.
+  /// Whether there may be gaps anywhere; if not, they need not be requested.
   virtual bool has_gaps() const { return false; }
 
-  /// A box for each of `boxes` that holds T of all its points, as far as that is known without looking: else infinite,
-  /// as it is unless this is overridden. As many entries as boxes. Safe from several threads.
+  /// Returns for each box a box that contains its image under T, using only bounds known without evaluation. The
+  /// default is infinite. As many entries as boxes. Thread-safe.
   virtual void images(std::span<const Box3> boxes, std::span<Box3> found) const;
 };
 

@@ -1,4 +1,4 @@
-// Tetrahedra with shared vertices: what readers of tetrahedral meshes return and what moves by forces.
+// Tetrahedral mesh with shared vertices: result of readers and input of simulations.
 #pragma once
 
 #include <array>
@@ -11,19 +11,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Corners of a tetrahedron: indices into the vertices.
+/// Corners of a tetrahedron: vertex indices.
 using Tet = std::array<std::uint32_t, 4>;
 
-/// Vertices, and the tetrahedra between them. Corners of a tetrahedron (a, b, c, d) are in such an order that (b − a) ·
-/// ((c − a) × (d − a)), six times its volume, is positive. Files have them in either order: readers keep that.
+/// Vertices and tetrahedra. The corners (a, b, c, d) of a tetrahedron are ordered such that (b − a) · ((c − a) × (d −
+/// a)), six times its volume, is positive. Files contain both orders; readers keep the order of the file.
 struct TetMesh {
-  std::vector<Vec3> vertices;     ///< positions in the world
+  std::vector<Vec3> vertices;     ///< world positions
   std::vector<Tet> tets;          ///< indices into `vertices`
-  AttributeTable attributes;      ///< a row for each vertex
-  AttributeTable tet_attributes;  ///< a row for each tetrahedron
+  AttributeTable attributes;      ///< a row per vertex
+  AttributeTable tet_attributes;  ///< a row per tetrahedron
 };
 
-/// Smallest box around the vertices, those that no tetrahedron uses included.
+/// Bounding box of the vertices, unused ones included.
 inline Box3 bounds(const TetMesh& mesh) {
   Box3 box;
   for (const Vec3& p : mesh.vertices) box.extend(p);

@@ -1,4 +1,4 @@
-// How many threads loops may use.
+// Number of threads for parallel loops.
 #pragma once
 
 #include <memory>
@@ -7,38 +7,40 @@
 
 namespace sansmesh::inline v1 {
 
-/// Says how many threads the loops may use that the calling thread starts, itself included, and all loops within those:
-/// as long as the object lives, which must end on the same thread, in reverse order of scopes (a local variable).
+/// Sets the number of threads for the loops that the calling thread starts, itself included, and for all loops nested
+/// in them, as long as the object lives. It must end on the same thread, in reverse order of construction (a local
+/// variable).
 ///
 ///     {
 ///       const ThreadScope two(2);
 ///       mesh = reconstruct(points, options, progress);  // on this thread and one more
 ///     }
 ///
-/// Without a scope loops run where the calling thread is: in the oneTBB arena of a host, or on all cores. A scope has
-/// an arena of its own, and what a host says in oneTBB about other arenas, about the whole process, and what it runs on
-/// other threads stays as it is. If a host limits the whole process to fewer threads (`tbb::global_control`), fewer
-/// take part; a scope of more threads than there are cores lifts oneTBB's own limit to its size as long as it lives.
+/// Without a scope, loops run in the oneTBB arena of the calling thread's host, or on all cores. A scope has its own
+/// arena and leaves a host's settings for other arenas, the whole process and other threads unchanged. If a host limits
+/// the whole process to fewer threads (`tbb::global_control`), fewer take part; a scope of more threads than cores
+/// raises oneTBB's own limit to its size as long as it lives.
 class SANSMESH_API ThreadScope {
  public:
-  static constexpr int kMost = 1024;  ///< most threads that a scope may ask for
+  static constexpr int kMost = 1024;  ///< largest number of threads of a scope
 
-  /// 1 to kMost threads; 0 means all cores that the process may use. Throws ArgumentError for other numbers.
+  /// Opens a scope of 1 to kMost threads; 0 means all cores available to the process. Throws ArgumentError for other
+  /// numbers.
   explicit ThreadScope(int threads);
-  /// Ends the scope, on the thread that made it.
+  /// Ends the scope; call it on the thread that opened it.
   ~ThreadScope();
-  /// Belongs to its thread: not copied.
+  /// Not copyable: a scope belongs to its thread.
   ThreadScope(const ThreadScope&) = delete;
-  /// Not assigned.
+  /// Not assignable.
   ThreadScope& operator=(const ThreadScope&) = delete;
 
-  struct Team;  ///< the arena; for the library's own sources
+  struct Team;  ///< arena; used only by the library's sources
 
  private:
   std::unique_ptr<Team> team_;
 };
 
-/// How many threads a loop that starts here may use, the calling one included: at least 1.
+/// Number of threads, the calling one included, that a loop started here may use: at least 1.
 SANSMESH_API int thread_count();
 
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,5 @@
-// Small fixed-size vectors. Plain aggregates, so arrays of them are arrays of scalars and can be handed to
-// files, SIMD loops and other libraries without conversion.
+// Small fixed-size vectors. They are plain aggregates: arrays of them are arrays of scalars, which files, SIMD loops
+// and other libraries use without conversion.
 #pragma once
 
 #include <cmath>
@@ -7,22 +7,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// Three components of type T: a position, a direction or a colour.
+/// Vector of three components of type T: a position, a direction or a colour.
 template <class T>
 struct VecT {
   T x{}, y{}, z{};  ///< component along that axis; 0 by default
 
-  /// The zero vector.
+  /// Zero vector.
   constexpr VecT() = default;
-  /// (x_, y_, z_).
+  /// Vector (x_, y_, z_).
   constexpr VecT(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
-  /// The components of `o`, each cast to T.
+  /// Casts the components of `o` to T.
   template <class U>
   constexpr explicit VecT(const VecT<U>& o) : x(static_cast<T>(o.x)), y(static_cast<T>(o.y)), z(static_cast<T>(o.z)) {}
 
-  /// Component 0 (x), 1 (y) or 2 (z); larger `i` are not checked, and give z.
+  /// Component 0 (x), 1 (y) or 2 (z). Indices are not checked: larger `i` give z.
   constexpr T& operator[](std::size_t i) { return i == 0 ? x : i == 1 ? y : z; }
-  /// The same of a constant vector.
+  /// Same, for a constant vector.
   constexpr const T& operator[](std::size_t i) const { return i == 0 ? x : i == 1 ? y : z; }
 
   /// Adds `o`, component by component.
@@ -37,19 +37,19 @@ struct VecT {
   friend constexpr VecT operator-(VecT a, const VecT& b) { return a -= b; }
   /// −a.
   friend constexpr VecT operator-(const VecT& a) { return {-a.x, -a.y, -a.z}; }
-  /// a, scaled by s.
+  /// a scaled by s.
   friend constexpr VecT operator*(VecT a, T s) { return a *= s; }
-  /// a, scaled by s.
+  /// a scaled by s.
   friend constexpr VecT operator*(T s, VecT a) { return a *= s; }
-  /// a / s: division, not multiplication by 1 / s.
+  /// a / s, by division rather than multiplication by 1 / s.
   friend constexpr VecT operator/(const VecT& a, T s) { return {a.x / s, a.y / s, a.z / s}; }
-  /// Whether all components are equal; NaN equals nothing.
+  /// Whether all components are equal; false for NaN.
   friend constexpr bool operator==(const VecT&, const VecT&) = default;
 };
 
-/// In double: world coordinates, and all that is computed.
+/// Vector of doubles: world coordinates and all computations.
 using Vec3 = VecT<double>;
-/// In float: stored positions and normals.
+/// Vector of floats: stored positions and normals.
 using Vec3f = VecT<float>;
 
 /// Inner product ⟨a, b⟩.
@@ -70,13 +70,13 @@ constexpr T squared_norm(const VecT<T>& a) {
   return dot(a, a);
 }
 
-/// Euclidean length ‖a‖. Squares may overflow: from about 1e154 on in double, 1e19 in float.
+/// Euclidean length ‖a‖. Squares overflow from about 1e154 in double and 1e19 in float.
 template <class T>
 T norm(const VecT<T>& a) {
   return std::sqrt(dot(a, a));
 }
 
-/// a / ‖a‖, or the zero vector where a has no direction.
+/// a / ‖a‖, or the zero vector if ‖a‖ is not positive.
 template <class T>
 VecT<T> normalized(const VecT<T>& a) {
   const T n = norm(a);
@@ -89,8 +89,8 @@ bool is_finite(const VecT<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame (t, b, n).
-/// Continuous except where n.z changes sign (Duff et al. 2017, JCGT 6(1)).
+/// Completes the unit vector n by two unit vectors to a right-handed orthonormal frame (t, b, n). Continuous except
+/// where n.z changes sign (Duff et al. 2017, JCGT 6(1)).
 template <class T>
 void tangent_frame(const VecT<T>& n, VecT<T>& t, VecT<T>& b) {
   const T sign = std::copysign(T(1), n.z);

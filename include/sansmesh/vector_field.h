@@ -1,6 +1,5 @@
-// A vector anywhere in space and time, as a rule a velocity: the interface between what makes such fields
-// (reconstructions of volumes, formulas) and what follows them (particles, lines and surfaces of a flow), none of which
-// knows the other.
+// Vector field, usually a velocity, in space and time: the interface between its sources (volume reconstructions,
+// formulas) and consumers (particles, lines and surfaces of a flow).
 #pragma once
 
 #include <cstdint>
@@ -14,51 +13,50 @@
 
 namespace sansmesh::inline v1 {
 
-/// ∇ · v of the derivatives of v (value per length).
+/// Divergence ∇ · v from the derivatives of v (value per length).
 inline double divergence(const Jacobian& j) { return j[0].x + j[1].y + j[2].z; }
-/// ∇ × v of the derivatives of v; of a velocity the vorticity: twice the angular velocity.
+/// Curl ∇ × v from the derivatives of v; for a velocity the vorticity, twice the angular velocity.
 inline Vec3 curl(const Jacobian& j) { return {j[1].z - j[2].y, j[2].x - j[0].z, j[0].y - j[1].x}; }
 
-/// First and last moment, both included, in the unit of time of the input.
+/// Closed time interval, in the input's unit of time.
 struct TimeRange {
-  /// First moment; by default there is none.
+  /// start; unbounded by default
   double first = -std::numeric_limits<double>::infinity();
-  /// Last moment; by default there is none.
+  /// end; unbounded by default
   double last = std::numeric_limits<double>::infinity();
 
-  /// Whether the moment t lies in it.
+  /// Whether the interval contains the time t.
   bool contains(double t) const { return t >= first && t <= last; }
 };
 
-/// A vector, as a rule a velocity, on space and time. Several threads may ask one field at a time.
+/// Vector field, usually a velocity, on space and time. Thread-safe.
 class SANSMESH_API VectorField {
  public:
-  /// Owners may hold it as a VectorField.
+  /// Allows ownership through a VectorField pointer.
   virtual ~VectorField() = default;
 
-  /// Box outside of which it is not defined anywhere.
+  /// Box that contains the domain at all times.
   virtual Box3 bounds() const = 0;
 
-  /// When it is defined. A steady field is the same at all times, and defined at all.
+  /// Times of definition. A steady field is defined, and constant, at all times.
   virtual TimeRange times() const { return {}; }
 
-  /// Moments of samples in time, increasing: between two of them the field is smooth, and asked there for all places
-  /// before it is asked for others it goes fastest. None where there are no such moments.
+  /// Sample times, increasing. Between two of them the field is smooth; evaluation is fastest if all points of one
+  /// interval precede those of others. Empty if there are none.
   virtual std::span<const double> moments() const { return {}; }
 
-  /// The vector at position x[i] at the moment t[i], for every i: a velocity is in lengths of the input per its unit of
-  /// time. inside[i] becomes 1 where the field is defined (in its domain, and in times()) and 0 elsewhere; there the
-  /// vector and its derivatives are zero. Positions and moments that are not finite are not inside. If `jacobian` is
-  /// not empty it gets the derivatives.
+  /// Evaluates the vector at position x[i] and time t[i] for every i; a velocity is in input lengths per unit of time.
+  /// inside[i] is 1 where the field is defined (in its domain and in times()) and 0 elsewhere; vector and derivatives
+  /// are zero there. Positions and times that are not finite are outside. Computes derivatives unless `jacobian` is
+  /// empty.
   ///
-  /// All spans have the length of x; `jacobian` may be empty. Each answer depends on x[i] and t[i] alone, not on the
-  /// rest of the batch. One call a batch: neighbouring points in neighbouring slots, of one moment or of few, evaluate
-  /// fastest. Safe from several threads at a time. As with ScalarField the field itself runs in parallel: whoever asks
-  /// hands over all points that it has.
+  /// All spans have the length of x; `jacobian` may be empty. Each result depends on x[i] and t[i] only, not on the
+  /// batch. One call per batch, fastest if neighbouring points of one or few times are adjacent. Thread-safe. The field
+  /// runs in parallel, as ScalarField does: pass all points in one call.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
 
-  /// The same by a call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  /// Same, through the common interface of fields. Throws ArgumentError if sizes differ.
   void query(const Places& at, const VectorAnswers& wanted) const;
 };
 

@@ -1,4 +1,4 @@
-// What can be made of a volume, and by which method: METHODS §8, figure 7.2 of [tejada2008].
+// Recommended results and methods for a volume (tejada2008, figure 7.2).
 #pragma once
 
 #include <cstddef>
@@ -10,27 +10,27 @@
 
 namespace sansmesh::inline v1 {
 
-/// What there is to work with.
+/// Properties of the input.
 struct VolumeOffer {
-  bool values = true;           ///< an array at all; bare meshes have none
-  bool vectors = false;         ///< the array, or another one, has two or three components: a flow
-  std::size_t steps = 1;        ///< in time
-  bool lattice = false;         ///< the samples lie on one
-  bool body = false;            ///< the cells may be a body that moves
-  VolumeTraits traits;          ///< of the array; not looked at without values
-  ReconstructionChoice suited;  ///< likewise
+  bool values = true;                ///< the volume has an array; bare meshes have none
+  bool vectors = false;              ///< this or another array has two or three components: a flow
+  std::size_t steps = 1;             ///< number of time steps
+  bool lattice = false;              ///< the samples form a lattice
+  bool body = false;                 ///< the cells can represent a deformable body
+  VolumeTraits traits;               ///< traits of the array; ignored without values
+  ReconstructionChoice recommended;  ///< recommended reconstruction; ignored without values
 };
 
-/// Something to make of it.
+/// A recommended result.
 struct VolumeRecommendation {
   /// Values at points, a uniform grid, a surface, …
   enum class Aim { values, grid, surface, border, picture, lines, flow_surface, flow_picture, deformation, forces };
-  Aim aim;                  ///< what to make
-  std::string why;          ///< one sentence without an end
-  bool by_samples = false;  ///< of a surface: from the samples by moving least squares, not from the reconstruction
+  Aim aim;                  ///< recommended result
+  std::string why;          ///< one sentence without a full stop
+  bool by_samples = false;  ///< surface: from the samples by moving least squares, not from the reconstruction
 };
 
-/// What is asked for most first; never empty where there are values or a body.
+/// Recommendations, most requested first; never empty for volumes with values or a body.
 SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
 
 /// values, grid, surface, border, …

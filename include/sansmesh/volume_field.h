@@ -1,5 +1,5 @@
-// A quantity of one or several components anywhere in a volume: the interface between reconstructions of volumes, which
-// make such fields of samples, and what looks at them (probes, renderers, polygonisers).
+// Field of one or several components in a volume: the interface between volume reconstructions and consumers (probes,
+// renderers, polygonisers).
 #pragma once
 
 #include <algorithm>
@@ -15,36 +15,35 @@
 
 namespace sansmesh::inline v1 {
 
-/// Values and gradients are components() a point; `inside` is the volume.
+/// Values and gradients have components() entries per point; `inside` marks the volume.
 using VolumeAnswers = ScalarAnswers;
 
-/// A quantity on a volume, of one or several components. Several threads may ask one field at a time.
+/// Field of one or several components on a volume. Thread-safe.
 class SANSMESH_API VolumeField {
  public:
-  /// Owners may hold it as a VolumeField.
+  /// Allows ownership through a VolumeField pointer.
   virtual ~VolumeField() = default;
 
-  /// Box that the volume lies in.
+  /// Bounding box of the volume.
   virtual Box3 bounds() const = 0;
-  /// Numbers a point: 1 of a scalar, 3 of a vector.
+  /// Number of components: 1 for a scalar, 3 for a vector.
   virtual std::size_t components() const = 0;
 
-  /// All that is wanted at all of x. Answers are finite everywhere: outside of the volume, near its boundary, they go
-  /// on as inside; farther away they are those of some place of the volume. At points that are not finite they are
-  /// zero. Each answer depends on its point alone, not on the rest of the batch nor on threads. Neighbouring points in
-  /// neighbouring slots go fastest. Sizes must agree. Safe from several threads. The field itself runs in parallel, as
-  /// ScalarField does: whoever asks hands over all points that it has.
+  /// Evaluates the requested results at all of x. They are finite everywhere: the field extends smoothly a little
+  /// beyond the boundary; farther away it takes the value of some point of the volume. Points that are not finite give
+  /// zero. Each result depends on its point only, not on the batch or on threads. Evaluation is fastest if neighbouring
+  /// points are adjacent. Sizes must agree. Thread-safe. The field runs in parallel, as ScalarField does: pass all
+  /// points in one call.
   virtual void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const = 0;
 
-  /// The same by a call of the shape that all fields have.
+  /// Same, through the common interface of fields.
   void query(const Places& at, const VolumeAnswers& wanted) const { evaluate(at.points, wanted); }
 
-  /// The distance between neighbouring samples around each of x (length, > 0): finer than this nothing is known.
+  /// Distance between neighbouring samples around each of x (length, > 0): the resolution of the data.
   virtual void spacing(std::span<const Vec3> x, std::span<double> found) const = 0;
 
-  /// What all values of the first component within each box lie between, as far as that is known without looking: where
-  /// it is not, the ends are infinite, and they are so unless this is overridden. As many entries as boxes. Safe from
-  /// several threads.
+  /// Bounds the first component within each box, using only bounds known without evaluation. The default is infinite.
+  /// As many entries as boxes. Thread-safe.
   virtual void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const {
     constexpr double kUnknown = std::numeric_limits<double>::infinity();
     std::fill_n(found.begin(), boxes.size(), ValueRange{-kUnknown, kUnknown});

@@ -1,4 +1,4 @@
-// Pictures of volumes: what values look like, where a volume is cut open, and what came of a picture.
+// Transfer functions, cuts, iso-surfaces, options and reports of pictures of volumes.
 #pragma once
 
 #include <cstddef>
@@ -19,155 +19,156 @@
 
 namespace sansmesh::inline v1 {
 
-/// A control point of colours.
+/// Control point of colours.
 struct ColorPoint {
-  double value = 0;                                                        ///< of the data
+  double value = 0;                                                        ///< data value
   Vec3f color;                                                             ///< sRGB 0..1
-  friend bool operator==(const ColorPoint&, const ColorPoint&) = default;  ///< equal in all
+  friend bool operator==(const ColorPoint&, const ColorPoint&) = default;  ///< equal in all fields
 };
 
-/// A control point of opacities.
+/// Control point of opacities.
 struct OpacityPoint {
-  double value = 0;    ///< of the data
-  double opacity = 0;  ///< 0..1: share of the light that a layer as thick as the reference length keeps back
-  friend bool operator==(const OpacityPoint&, const OpacityPoint&) = default;  ///< equal in all
+  double value = 0;    ///< data value
+  double opacity = 0;  ///< 0..1: share of light that a layer of the reference length absorbs
+  friend bool operator==(const OpacityPoint&, const OpacityPoint&) = default;  ///< equal in all fields
 };
 
-/// How colours are mixed between control points. `step`: not at all, each holds up to the next one.
+/// Interpolation of colours between control points. `step`: piecewise constant, each colour holds up to the next point.
 enum class ColorMixing : std::uint8_t { rgb, lab, step };
 
-/// Opacity 1 means this much: a light that nothing at all gets through would need an infinite extinction.
+/// Value that opacity 1 is clamped to, because full opacity would need infinite extinction.
 constexpr double kMostOpacity = 0.99999;
 
-/// Piecewise linear in colour and in opacity; beyond the outermost points the values of these go on. Two points may
-/// have the same value: the function jumps there.
+/// Piecewise linear colour and opacity, constant beyond the outermost points. Two points may have the same value: the
+/// function jumps there.
 struct SANSMESH_API TransferFunction {
-  std::string name = {};                     ///< in files and lists
-  std::vector<ColorPoint> colors = {};       ///< by value, ascending; at least one
-  std::vector<OpacityPoint> opacities = {};  ///< by value, ascending; at least one
-  ColorMixing mixing = ColorMixing::lab;     ///< of colours between points
-  /// Length that opacities are meant for, in the unit of the data; default: a fiftieth of the volume's diagonal.
+  std::string name = {};                     ///< used in files and lists
+  std::vector<ColorPoint> colors = {};       ///< ascending by value; at least one
+  std::vector<OpacityPoint> opacities = {};  ///< ascending by value; at least one
+  ColorMixing mixing = ColorMixing::lab;     ///< interpolation of colours
+  /// Length to which opacities refer, in the unit of the data; default: a fiftieth of the volume's diagonal.
   std::optional<double> reference_length = {};
 
   Vec3f color(double value) const;     ///< sRGB
   double opacity(double value) const;  ///< 0..1
   /// Lowest and highest value of all control points.
   std::pair<double, double> range() const;
-  /// The same function with its range moved linearly to another one.
+  /// The same function with its range mapped linearly to another one.
   TransferFunction over(double lower, double upper) const;
-  /// Throws ArgumentError: no points, not ascending, not finite, colours or opacities beyond 0..1.
+  /// Throws ArgumentError if points are missing, not ascending or not finite, or colours or opacities are outside 0..1.
   void validate() const;
-  friend bool operator==(const TransferFunction&, const TransferFunction&) = default;  ///< equal in all
+  friend bool operator==(const TransferFunction&, const TransferFunction&) = default;  ///< equal in all fields
 };
 
 /// Names of transfer functions: "ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray".
 SANSMESH_API std::span<const std::string_view> transfer_function_presets();
 
-/// JSON of ours (docs/formats/transfer-function.md) or ParaView's colour maps (a list of objects with RGBPoints, of
-/// which the first is taken). `file` is named in errors. Throws FileError.
+/// Parses this library's JSON (docs/formats/transfer-function.md) or ParaView's colour maps (a list of objects with
+/// RGBPoints; the first is used). Errors name `file`. Throws FileError.
 SANSMESH_API TransferFunction parse_transfer_function(std::string_view json, const std::string& file);
-/// The same of a file.
+/// Reads the same from a file.
 SANSMESH_API TransferFunction read_transfer_function(const std::string& file);
-/// JSON of ours: what parse_transfer_function reads back the same.
+/// This library's JSON; parse_transfer_function() restores the same function.
 SANSMESH_API std::string transfer_function_json(const TransferFunction& function);
 
-/// Whether there are values beyond the range of a bar: they get the colours of its ends, which are then pointed.
+/// Whether values exceed the range of a colour bar. They have the colours of its ends, which are then pointed.
 struct BarEnds {
   bool below = false, above = false;  ///< the range
 };
 
-/// A surface of one value in a volume.
+/// Iso-surface in a volume.
 struct IsoSurface {
-  double value = 0;                 ///< of the data
-  std::optional<Vec3f> color = {};  ///< sRGB 0..1; default: that of the value by the transfer function
+  double value = 0;                 ///< data value
+  std::optional<Vec3f> color = {};  ///< sRGB 0..1; default: the colour of the transfer function
   double opacity = 1;               ///< 0..1
 };
 
-/// Takes away all x with offset < ⟨normal, x⟩ < offset + thickness: a half-space, or a slab.
+/// Removes all x with offset < ⟨normal, x⟩ < offset + thickness: a half-space or a slab.
 struct VolumeCut {
-  Vec3 normal{1, 0, 0};  ///< of any length but 0; offset and thickness are measured along its unit vector
+  Vec3 normal{1, 0, 0};  ///< any length but 0; offset and thickness are measured along its unit vector
   double offset = 0;     ///< in the unit and the coordinates of the data
-  double thickness = std::numeric_limits<double>::infinity();  ///< of what is taken away; infinity: a half-space
+  double thickness =
+      std::numeric_limits<double>::infinity();  ///< thickness of the removed slab; infinity: a half-space
 };
 
-/// "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
+/// Parses "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
 SANSMESH_API IsoSurface iso_surface_of(const std::string& text);
-/// As options of schemas (sansmesh/option.h): as iso_surface_of reads it, to the last digit.
+/// Conversions for option schemas (sansmesh/option.h), in the notation of iso_surface_of(), exact to the last digit.
 SANSMESH_API std::string text_of_option(const IsoSurface& iso);
 inline void option_of_text(std::string_view text, IsoSurface& iso) { iso = iso_surface_of(std::string(text)); }
-/// What is taken away: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
+/// Parses the removed part: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
 SANSMESH_API VolumeCut volume_cut_of(const std::string& text);
 
-/// Pictures of volumes.
+/// Options of pictures of volumes.
 struct SANSMESH_API VolumePictureOptions {
-  RenderOptions picture = {};  ///< as of meshes; `shadows`, `ground` and `occlusion_rays` mean nothing here
-  /// Colours and opacities; default: the preset, or what suits the values.
+  RenderOptions picture = {};  ///< as for meshes; `shadows`, `ground` and `occlusion_rays` are ignored
+  /// Colours and opacities; default: the preset, or a suggestion that suits the values.
   std::optional<TransferFunction> transfer = {};
-  /// A name of transfer_function_presets(); not beside `transfer`. Its opacities lie over the values of the field that
-  /// gives the opacities.
+  /// A name of transfer_function_presets(); not with `transfer`. Its opacities span the values of the field that gives
+  /// the opacities.
   std::string preset = {};
-  double opacity_factor = 1;          ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
-  std::vector<IsoSurface> isos = {};  ///< of the field that gives the colours; at most 16
+  double opacity_factor = 1;          ///< multiplies extinction, 0..1000; 0: only iso-surfaces and cut faces
+  std::vector<IsoSurface> isos = {};  ///< iso-surfaces of the field that gives the colours; at most 16
   std::vector<VolumeCut> clips = {};  ///< at most 16
-  /// Cut faces show their values, except such as the transfer function leaves clear. Those of gaps in a deformed
-  /// volume that is seen by its iso-surfaces only: what is not below the least of these.
+  /// Cut faces show their values, except those that the transfer function makes clear. If only iso-surfaces are
+  /// visible, faces of gaps in a deformed volume show the values that are not below the least iso-value.
   bool clip_faces = true;
-  bool shading = true;  ///< light on the gradients; without, colours are those of the transfer function
-  /// Length of steps in local distances of samples, 0.05..4; between two samples the value is a cubic.
+  bool shading = true;  ///< shading by gradients; false: the plain colours of the transfer function
+  /// Step length in units of the local sample spacing, 0.05..4; between two steps the value is a cubic.
   double step = 1;
-  /// What is left of the light behind where a ray ends, 0..0.1.
+  /// A ray ends when the transmitted share of the light behind falls below this, 0..0.1.
   double least_light = 0.002;
-  bool skip_empty = true;  ///< leaps over what is clear
+  bool skip_empty = true;  ///< skips clear cells
 
-  bool color_bar = false;        ///< to the right of the picture, which it makes wider
-  std::string color_title = {};  ///< of the colour bar: what is shown and its unit
+  bool color_bar = false;        ///< adds a colour bar to the right; the picture becomes wider
+  std::string color_title = {};  ///< quantity and unit, for the colour bar
   bool axes = false;             ///< the outline of the box with ticks
-  std::string unit = {};         ///< of lengths, at the axes
+  std::string unit = {};         ///< unit of lengths, for the axes
   std::string title = {};        ///< above the picture
 
-  /// The rows of most of these options, those of `picture` among them.
+  /// The rows of most of these options, including those of `picture`.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// How a picture of a volume came to be.
+/// Report of a picture of a volume.
 struct SANSMESH_API VolumePictureReport {
-  TransferFunction transfer;  ///< that was used
-  std::string why;            ///< it was taken, if it was suggested
-  /// Lines on what may not be as wished: iso-surfaces of values that were not found in the volume, baked fields that
-  /// are not as fine as they should be. Mostly none.
+  TransferFunction transfer;  ///< the function used
+  std::string why;            ///< reason for it, if it was suggested
+  /// Remarks on the result: iso-values that do not occur in the volume, baked fields that are too coarse. Usually
+  /// empty.
   std::vector<std::string> notes;
-  std::uint64_t rays = 0, evaluations = 0;  ///< rays, and values asked of the field
-  /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
-  /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
+  std::uint64_t rays = 0, evaluations = 0;  ///< rays, and evaluations of the field
+  /// Estimated error of the step length: mean and largest change of a channel if steps are halved, on one pixel in 256,
+  /// in levels of 0..255. It does not include the error of the field. Computed only if `check_steps` is true.
   double step_error_mean = 0, step_error_most = 0;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per value
 };
 
-/// Error of baked fields above which bricks are split, if nothing is said: a share of the range of the values.
+/// Default error of baked fields above which bricks are split, as a share of the range of the values.
 inline constexpr double kBakeError = 0.004;
 
-/// How near a baked field is to the field that it stands for.
+/// Accuracy of a baked field.
 struct SANSMESH_API BakeReport {
-  double least = 0, most = 0;  ///< of the values found in the volume
-  /// At those of 20,000 points spread evenly over the box that are in the volume, and where fewer than one in 50 is, as
-  /// many of the places, too; they are others than the points that decided what was split. Shares of the range. The
-  /// largest is that of these points, no bound: between them the field may be farther off.
+  double least = 0, most = 0;  ///< range of the values found in the volume
+  /// Errors as shares of the range, at those of 20,000 points spread evenly over the box that are in the volume; if
+  /// fewer than one in 50 is, also at as many of the samples. These points differ from those that decide on splits. The
+  /// largest is an estimate, not a bound.
   double error_mean = 0, error_most = 0;
-  std::size_t checked = 0;  ///< points that these errors were found at
-  /// Largest at the middles of all cells in the volume, which decided; no bound either.
+  std::size_t checked = 0;  ///< number of points of these errors
+  /// Largest error at the centres of all cells in the volume, which decides on splits; an estimate, not a bound.
   double cell_error_most = 0;
-  std::size_t bricks = 0, bytes = 0;  ///< that they take
-  std::uint64_t evaluations = 0;      ///< of the field, so far
-  int levels = 0;                     ///< of bricks
-  /// Nothing is left to split: the tolerance holds, or cells are half the spacing, beyond which nothing is known, or
-  /// as fine as it where splits did not help twice in a row (values that jump), or where only places tell of the
-  /// volume. False: the memory was at its end, or refine() is to go on.
+  std::size_t bricks = 0, bytes = 0;  ///< size of the baked field
+  std::uint64_t evaluations = 0;      ///< evaluations of the field so far
+  int levels = 0;                     ///< levels of bricks
+  /// No brick is left to split: the tolerance holds, or cells are half the spacing (beyond which nothing is known), or
+  /// cells are as fine as the spacing and either two splits in a row did not help (values that jump) or only samples
+  /// show where the volume is. False: the memory limit was reached, or refine() is to continue.
   bool finished = false;
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per value
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Arrays of volumes by name, and options of what is made of volumes.
+// Names of arrays of volumes, and options of surfaces and grids made from volumes.
 #pragma once
 
 #include <cstddef>
@@ -17,138 +17,138 @@
 
 namespace sansmesh::inline v1 {
 
-/// An array of a volume. One name may stand for two: one of points and one of cells.
+/// An array of a volume. A point array and a cell array may have the same name.
 struct DatasetArray {
-  std::string name;                      ///< as the file has it
+  std::string name;                      ///< name in the file
   Association of = Association::points;  ///< points or cells
-  NumberType type = NumberType::f32;     ///< of its numbers
-  std::size_t components = 1;            ///< numbers a row
-  std::vector<double> least, most;       ///< of each component, over what is finite and not hidden; NaN: nothing is
-  std::size_t not_finite = 0;            ///< numbers
+  NumberType type = NumberType::f32;     ///< type of the numbers
+  std::size_t components = 1;            ///< numbers per row
+  std::vector<double> least, most;       ///< range of each component over finite, visible values; NaN if there are none
+  std::size_t not_finite = 0;            ///< number of values that are not finite
 };
 
-/// What of an array is meant by "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
+/// Selection in an array: "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
 struct ArrayChoice {
-  std::string array;                     ///< its name
-  std::optional<std::size_t> component;  ///< one of several; else all
-  bool magnitude = false;                ///< of the vector
+  std::string array;                     ///< array name
+  std::optional<std::size_t> component;  ///< one component; all if absent
+  bool magnitude = false;                ///< magnitude of the vector
 
-  bool operator==(const ArrayChoice&) const = default;  ///< the same choice
+  bool operator==(const ArrayChoice&) const = default;  ///< equality of all members
 };
 
-/// A surface in a volume, as it is named where a file is asked for: "data.vtu[Temp=300]", "data.vtu[V:magnitude=2]".
+/// An isosurface of a file, written "data.vtu[Temp=300]" or "data.vtu[V:magnitude=2]".
 struct IsosurfaceName {
-  std::string file;   ///< without the brackets
-  std::string array;  ///< with its component
-  double value = 0;   ///< on the surface
+  std::string file;   ///< file name without the brackets
+  std::string array;  ///< array name with its component
+  double value = 0;   ///< iso-value
 };
 
-/// Nothing where the text does not end in brackets with an equals sign between them; throws ArgumentError where the
-/// value is no number or something is missing.
+/// Returns nothing unless the text ends in brackets that contain an equals sign. Throws ArgumentError if the value is
+/// not a number or a part is missing.
 SANSMESH_API std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text);
 
-/// A field on a uniform lattice: what programs that know nothing else can use.
+/// A field resampled on a uniform lattice, for programs that read only these.
 struct SANSMESH_API ResampleOptions {
-  /// Points along the longest side of the box, 2..4096; those of the others follow, so that steps are equal. Or points
-  /// along x, y and z, 1..65536 each.
+  /// Points along the longest side of the box, 2..4096 (the other sides follow from equal steps), or points along x, y
+  /// and z, 1..65536 each.
   std::vector<std::size_t> size = {128};
-  std::optional<Box3> box = {};  ///< default: that of the volume
-  bool gradients = false;        ///< also an array NAME_gradient of three numbers a component
-  double outside = 0;            ///< value where the volume is not; may be NaN
+  std::optional<Box3> box = {};  ///< default: the box of the volume
+  bool gradients = false;        ///< adds an array NAME_gradient with three numbers per component
+  double outside = 0;            ///< value outside the volume; may be NaN
 
-  /// The rows of these options.
+  /// Schema of these options.
   static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// Values between the steps of a volume that changes.
+/// Interpolation between the time steps of a volume.
 enum class TimeInterpolation : std::uint8_t {
-  constant,  ///< that of the step before, as in the source (METHODS §5.2)
-  linear,    ///< between the two steps around
-  cubic      ///< through the two before and the two after: smooth in time
+  constant,  ///< value of the previous step (tejada2008, 5.3)
+  linear,    ///< between the two adjacent steps
+  cubic      ///< through two steps before and two after; smooth in time
 };
 
-/// A mesh of the surface on which a quantity has a value.
+/// Options of an isosurface mesh.
 struct SANSMESH_API IsosurfaceOptions {
   /// Edge of the smallest blocks (length). Default: the local spacing of the samples.
   std::optional<double> cell = {};
   std::optional<double> mesh_error = {};                         ///< as in MeshOptions
   std::optional<std::size_t> triangles = {};                     ///< as in MeshOptions
-  ComponentChoice components = {ComponentChoice::Kind::all, 1};  ///< parts to keep
-  bool closed = false;  ///< the boundary of {f > value}: closed by faces of the volume's boundary
+  ComponentChoice components = {ComponentChoice::Kind::all, 1};  ///< components to keep
+  bool closed = false;  ///< meshes the boundary of {f > value}: the volume's boundary closes the surface
   bool enhance = true;  ///< as in MeshOptions
 
-  /// The rows of these options.
+  /// Schema of these options.
   static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// What became of the mesh.
+/// Figures of an isosurface mesh.
 struct SANSMESH_API IsosurfaceReport {
-  std::size_t blocks = 0;             ///< that it was cut out of
+  std::size_t blocks = 0;             ///< number of blocks polygonised
   double cell = 0;                    ///< edge of the smallest blocks (length)
-  double mesh_error = 0;              ///< distance between mesh and surface aimed at (length)
-  std::size_t components = 0;         ///< parts that are not connected
+  double mesh_error = 0;              ///< target distance between mesh and surface (length)
+  std::size_t components = 0;         ///< number of connected components
   bool closed = false;                ///< no edge is open
   double area = 0;                    ///< length²
-  std::optional<double> volume;       ///< enclosed, where closed
-  std::vector<std::string> warnings;  ///< a line each
+  std::optional<double> volume;       ///< enclosed volume, if closed
+  std::vector<std::string> warnings;  ///< one line each
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
-/// Surfaces of volumes without a mesh: moving least squares on samples that weigh in by how near their value is to that
-/// of an isosurface, or how steep the volume is there (METHODS §5.1).
+/// Surfaces of volumes without a mesh: moving least squares on samples, weighted by how close their value is to the
+/// iso-value or by the norm of their gradient (tejada2008, 5.2).
 struct SANSMESH_API VolumeSurfaceOptions {
-  /// The layer of samples that counts.
+  /// Weight function that selects the layer of samples.
   enum class Kind {
-    isovalue,  ///< ω₁ = exp(−((v − f_i)/β₁)²): where the quantity has a value
-    high_gradient  ///< ω₂ = exp(−((‖∇f_i‖/‖∇f‖_max − 1)/β₂)²): where it changes most, borders of materials
-  } kind = Kind::isovalue;  ///< which surface
+    isovalue,      ///< ω₁ = exp(−((v − f_i)/β₁)²): around an iso-value
+    high_gradient  ///< ω₂ = exp(−((‖∇f_i‖/‖∇f‖_max − 1)/β₂)²): around the largest gradients, at borders of materials
+  } kind = Kind::isovalue;  ///< kind of surface
   double value = 0;         ///< v (unit of the array; isovalue only)
-  /// β₁ (unit of the array, > 0) or β₂ (share, 0.01..1). Default of β₁: what the quantity changes by over a spacing
-  /// around each sample, so that the layer of samples that count is equally thick at steep and at flat places; of β₂:
-  /// 0.35.
+  /// β₁ (unit of the array, > 0) or β₂ (0.01..1). Default of β₁: the change of the quantity over one spacing around
+  /// each sample, so that the layer has the same thickness everywhere. Default of β₂: 0.35.
   std::optional<double> beta = {};
   /// h of the corrector's weights, and half the radius of the predictor's, in spacings, 0.5..20. Default: 2, more with
   /// noise.
   std::optional<double> smoothing = {};
-  /// high_gradient: ‖∇f‖_max is the largest across the border around the sample, so that faint borders count like
-  /// strong ones; else the largest of the volume as in the source, a thousandth of the samples left out.
+  /// high_gradient: ‖∇f‖_max is the largest gradient across the border near the sample, so that faint borders count as
+  /// much as strong ones. Otherwise it is the largest of the volume as in the source, without the top thousandth of the
+  /// samples.
   bool local_maximum = true;
-  /// high_gradient: least ‖∇f‖ of a border (unit of the array per length). Default: what stands out from noise, a
-  /// seventh of the largest at least.
+  /// high_gradient: smallest ‖∇f‖ of a border (unit of the array per length). Default: above the noise, and at least a
+  /// seventh of the largest.
   std::optional<double> least_gradient = {};
-  // One application is a step of the predictor and one of the corrector; one of them runs at least.
-  bool predictor = true;        ///< finds the layer of samples from farther away
+  // One application is a predictor step and a corrector step; at least one of them is enabled.
+  bool predictor = true;        ///< finds the layer of samples from a distance
   bool corrector = true;        ///< finds the surface
-  bool alternating = false;     ///< predictor: direction and offset in turns, as in the source
-  bool line_search = false;     ///< predictor: along the direction, as in the source
-  bool separate_sheets = true;  ///< samples that face away from those nearby are ignored
-  /// The field of the surface asks the projection itself at every place, not the paraboloids at the feet of the
-  /// samples: the definition to the letter, for two (meshes) to ten (pictures) times the time.
+  bool alternating = false;     ///< predictor: optimises direction and offset in turn, as in the source
+  bool line_search = false;     ///< predictor: line search along the direction, as in the source
+  bool separate_sheets = true;  ///< ignores samples that face away from their neighbours
+  /// The field evaluates the projection at each query point instead of the paraboloids at the feet of the samples: the
+  /// exact definition, at two (meshes) to ten (pictures) times the cost.
   bool exact_projection = false;
 
-  /// The rows of these options, without `value`.
+  /// Schema of these options, without `value`.
   static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// What was found on the way to such a surface.
+/// Figures of a volume surface.
 struct SANSMESH_API VolumeSurfaceReport {
-  std::size_t samples = 0;     ///< that count
-  double spacing = 0;          ///< of those, on the median (length)
+  std::size_t samples = 0;     ///< number of samples with a weight
+  double spacing = 0;          ///< median spacing of these samples (length)
   double smoothing = 0;        ///< h over the spacing
-  double slope = 0;            ///< of the quantity at the surface, on the median (unit of the array per length)
-  double noise = 0;            ///< of the values (unit of the array)
-  double noise_distance = 0;   ///< what that moves an isosurface by (length)
-  double least_gradient = 0;   ///< high_gradient
-  std::optional<double> beta;  ///< where one holds everywhere
+  double slope = 0;            ///< median gradient norm at the surface (unit of the array per length)
+  double noise = 0;            ///< noise of the values (unit of the array)
+  double noise_distance = 0;   ///< displacement of an isosurface by this noise (length)
+  double least_gradient = 0;   ///< high_gradient: threshold used
+  std::optional<double> beta;  ///< β if it is the same everywhere
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 }  // namespace sansmesh::inline v1

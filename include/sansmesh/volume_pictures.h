@@ -1,4 +1,4 @@
-// Pictures of volumes, seen through, and of surfaces in them.
+// Pictures of volumes and of surfaces in volumes.
 #pragma once
 
 #include <memory>
@@ -21,45 +21,45 @@ namespace sansmesh::inline v1 {
 class VolumeModel;
 struct SurfaceInVolume;
 
-/// Pictures of an open volume.
+/// Options of pictures of an open volume.
 struct SANSMESH_API VolumePicturesOptions {
   VolumePictureOptions look = {};  ///< of the volume
-  std::string opacity_by = {};     ///< array that gives the opacities; the volume's own gives the colours
-  bool grid = false;               ///< also the edges of the grid's cells where the volume ends
-  bool baked = false;              ///< quick: one ray a pixel, long steps, from the field baked into bricks
-  double bake_error = kBakeError;  ///< of `baked`: share of the range above which bricks are split
-  bool bar = true;                 ///< the colour bar
-  std::string unit = {};           ///< of the array, at the colour bar
-  bool any_view = true;            ///< nobody chose the view: that of a single layer looks straight at it
-  std::optional<int> frames = {};  ///< so many pictures around the up axis, 2 or more; default: one
+  std::string opacity_by = {};     ///< array of the opacities; the volume's own array has the colours
+  bool grid = false;               ///< also draws cell edges on the boundary of the volume
+  bool baked = false;              ///< quick: one ray per pixel, long steps, through a field baked into bricks
+  double bake_error = kBakeError;  ///< for `baked`: error as a share of the range above which bricks are split
+  bool bar = true;                 ///< draws a colour bar
+  std::string unit = {};           ///< unit of the array at the colour bar
+  bool any_view = true;            ///< no view was chosen: the view of a single layer is perpendicular to it
+  std::optional<int> frames = {};  ///< number of pictures of a turntable about the up axis, 2 or more; default: one
 
-  /// Of `look` its own; without `any_view`.
+  /// Option rows, with the own rows of `look`, without `any_view`.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// A volume, seen through. Opened once; then pictures from anywhere. Not from several threads.
+/// Renders an open volume from any viewpoint. Not thread-safe.
 class SANSMESH_API VolumePictures {
  public:
-  /// The array that the volume was opened with, of vectors the length. `surfaces` stand in the same pictures. Throws
-  /// ArgumentError for bad options and names of no array, DataError where there is nothing to draw, Cancelled.
-  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
+  /// Uses the array that the volume was opened with (the length of vectors). `surfaces` are in the same pictures.
+  /// Throws ArgumentError for bad options and unknown arrays, DataError if there is nothing to draw, Cancelled.
+  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<SceneFactory> surfaces,
                  Progress& progress);
   ~VolumePictures();
-  VolumePictures(VolumePictures&&) noexcept;  ///< moves
+  VolumePictures(VolumePictures&&) noexcept;  ///< move
 
-  /// The look with all that was chosen.
+  /// The look with all derived values.
   const VolumePictureOptions& look() const;
-  /// One picture, or all of a turntable.
+  /// Draws one picture, or all of a turntable.
   void render(const UsePicture& use, Progress& progress);
-  /// The same, seen from somewhere else.
+  /// Draws a picture from another view.
   Image render(const ViewDirection& view, Progress& progress);
-  /// Of the last picture.
+  /// Report of the last picture.
   const VolumePictureReport& report() const;
-  /// Null if it was not baked.
+  /// Report of baking; null if not baked.
   const BakeReport* baked() const;
-  /// Those of VolumeModel::field, and "picture" with what may not be as wished of the last picture.
+  /// Those of VolumeModel::field, and "picture": limitations of the last picture.
   std::vector<Note> notes() const;
 
  private:
@@ -69,48 +69,48 @@ class SANSMESH_API VolumePictures {
 
 /// Colours and normals of a surface in a volume.
 struct SANSMESH_API SurfaceInVolumeLook {
-  std::string color_by = {};               ///< an array of the volume, or a curvature: kCurvatureWords
-  std::optional<double> color_range = {};  ///< curvature that gets the full colour (1 / length or 1 / length²)
-  bool sharp = false;                      ///< normals turn sharply at edges and corners
-  bool quick = false;                      ///< one ray a pixel, no shadows
-  std::optional<int> frames = {};          ///< so many pictures around the up axis, 2 or more; default: one
-  bool bar = true;                         ///< a colour bar, of `color_by`
-  std::string unit = {};                   ///< of the array, or of lengths in curvatures, at the bar
+  std::string color_by = {};               ///< array of the volume, or a curvature: kCurvatureWords
+  std::optional<double> color_range = {};  ///< curvature with the full colour (1 / length or 1 / length²)
+  bool sharp = false;                      ///< normals change abruptly at edges and corners
+  bool quick = false;                      ///< one ray per pixel, no shadows
+  std::optional<int> frames = {};  ///< number of pictures of a turntable about the up axis, 2 or more; default: one
+  bool bar = true;                 ///< draws a colour bar for `color_by`
+  std::string unit = {};           ///< unit at the bar: of the array, or of lengths in curvatures
 
-  static const OptionSchema& schema();  ///< a row a field
-  /// The curvature that colours show; nothing where they show none.
+  static const OptionSchema& schema();  ///< option rows, one per field
+  /// The curvature shown by colours, if any.
   std::optional<CurvatureQuantity> curvature() const;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// The quantity that the colours show.
+/// Quantity shown by colours.
 struct SANSMESH_API ShownColors {
-  std::string array;                           ///< empty of curvatures
-  std::optional<CurvatureQuantity> curvature;  ///< or an array
-  double range = 0;                            ///< of the curvature that gets the full colour, in lengths of the input
-  /// Of an array: its colours, and whether it has values below and above theirs on the surface.
+  std::string array;                           ///< empty for curvatures
+  std::optional<CurvatureQuantity> curvature;  ///< empty for arrays
+  double range = 0;                            ///< curvature with the full colour, in lengths of the input
+  /// For an array: its colours.
   TransferFunction colors;
-  BarEnds ends;  ///< of the colours
+  BarEnds ends;  ///< whether the surface has values beyond the ends of the colours
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< report rows
 };
 
-/// Pictures of a surface in a volume, by rays and without a mesh. Built once; then pictures from anywhere.
+/// Renders a surface in a volume from any viewpoint by ray casting, without a mesh.
 class SANSMESH_API SurfaceInVolumePictures {
  public:
-  /// Shares the surface and what it needs of the volume. Throws ArgumentError for bad options and names of no array,
-  /// DataError, Cancelled. Notes of the fields are added to `notes`.
+  /// Shares the surface and the data of the volume. Adds notes of the fields to `notes`. Throws ArgumentError for bad
+  /// options and unknown arrays, DataError, Cancelled.
   SurfaceInVolumePictures(const SurfaceInVolume& surface, const VolumeModel& volume, const SurfaceInVolumeLook& look,
                           Progress& progress, std::vector<Note>& notes);
   ~SurfaceInVolumePictures();
-  SurfaceInVolumePictures(SurfaceInVolumePictures&&) noexcept;  ///< moves
+  SurfaceInVolumePictures(SurfaceInVolumePictures&&) noexcept;  ///< move
 
-  /// Nothing without `color_by`.
+  /// Empty without `color_by`.
   const std::optional<ShownColors>& colors() const;
-  /// A picture; lengths and places of `options` as in the input.
+  /// Draws a picture; lengths and positions of `options` as in the input.
   Image render(const SurfaceRenderOptions& options, Progress& progress) const;
-  /// Of all pictures until now.
+  /// Counts of all pictures so far.
   CastCounts counts() const;
 
  private:
@@ -118,15 +118,15 @@ class SANSMESH_API SurfaceInVolumePictures {
   std::unique_ptr<State> state_;
 };
 
-/// The numbers of pictures of a surface in a volume.
+/// Report of pictures of a surface in a volume.
 struct DrawnSurfaceInVolume {
-  std::optional<ShownColors> colors;  ///< nothing without `color_by`
+  std::optional<ShownColors> colors;  ///< empty without `color_by`
   CastCounts rays;                    ///< of all pictures
   std::vector<Note> notes;            ///< those of VolumeModel::field
 };
 
-/// One picture, or all of a turntable. Throws as SurfaceInVolumePictures, and ArgumentError where there is no room for
-/// the bar.
+/// Draws one picture, or all of a turntable. Throws as SurfaceInVolumePictures, and ArgumentError if the bar does not
+/// fit.
 SANSMESH_API DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, const VolumeModel& volume,
                                                          const SurfaceInVolumeLook& look, const RenderOptions& picture,
                                                          const UsePicture& use, Progress& progress);

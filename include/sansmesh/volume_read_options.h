@@ -1,4 +1,4 @@
-// Options of reading files of volumes.
+// Options of the volume readers.
 #pragma once
 
 #include <array>
@@ -13,27 +13,26 @@
 
 namespace sansmesh::inline v1 {
 
-/// How the numbers of a file without a header lie in it: the first axis runs fastest, the components of a point stand
-/// side by side.
+/// Layout of a file of numbers without a header. The first axis varies fastest; the components of a point are adjacent.
 struct SANSMESH_API RawLayout {
-  /// Numbers of points along the axes, at least 1 each; all 0: nobody said so, and nothing else means anything.
+  /// Numbers of points along the axes, at least 1 each. All 0: no layout is given, and the other fields are ignored.
   std::array<std::size_t, 3> dims{};
-  NumberType type = NumberType::u8;  ///< of every number
-  std::size_t components = 1;        ///< of each point, at least 1
-  Vec3 spacing{1, 1, 1};             ///< of the points (length), > 0
+  NumberType type = NumberType::u8;  ///< type of every number
+  std::size_t components = 1;        ///< per point, at least 1
+  Vec3 spacing{1, 1, 1};             ///< distance between points along each axis, > 0
   bool big_endian = false;           ///< byte order of the numbers
-  std::size_t header_bytes = 0;      ///< that come before them
+  std::size_t header_bytes = 0;      ///< bytes before the first number
 
-  /// Whether somebody said how: `dims` are not all 0.
+  /// Whether a layout is given: `dims` are not all 0.
   bool given() const { return dims != std::array<std::size_t, 3>{}; }
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< one row per field
 };
 
-/// Which numbers count as missing besides NaN and infinite ones.
+/// Numbers that count as missing, besides NaN and infinite ones.
 struct SANSMESH_API FillValueOptions {
-  std::vector<double> values;  ///< wherever they occur; finite
-  /// Also the usual ones where they stand clearly apart from all other numbers of the array: NetCDF's defaults
-  /// (9.96921e36, and of signed integers of 16, 32 and 64 bits the least ones), the largest float and double, a power
+  std::vector<double> values;  ///< missing wherever they occur; finite
+  /// Also recognises the usual fill values if they are clearly separate from all other numbers of the array: NetCDF's
+  /// defaults (9.96921e36, and the least signed integers of 16, 32 and 64 bits), the largest float and double, a power
   /// of ten from 1e20 on, 1.70141e38 (Surfer), 9.999e20 (GRIB), −9.99e8 and −9.99e33 (GrADS), −999, −999.25 (well
   /// logs), −9999, −99999, −999999.
   bool usual = true;
@@ -42,14 +41,14 @@ struct SANSMESH_API FillValueOptions {
   void validate() const;
 };
 
-/// How a file of a volume is read.
+/// Options of reading one volume.
 struct SANSMESH_API VolumeReadOptions {
-  RawLayout raw = {};          ///< read the file as that, whatever its name, if it is given
-  std::size_t time_step = 0;   ///< of files that hold several, from 0; others have only that one
-  std::string solution = {};   ///< PLOT3D: file of the values; empty: looked for beside the grid's
-  FillValueOptions fill = {};  ///< numbers that stand for missing ones become NaN; the notes say which
+  RawLayout raw = {};          ///< if given, the file is read as raw numbers, whatever its name
+  std::size_t time_step = 0;   ///< index of the step, from 0; files without steps have only step 0
+  std::string solution = {};   ///< PLOT3D: file of the values; empty: searched for beside the grid
+  FillValueOptions fill = {};  ///< fill values become NaN; the notes list them
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< one row per field
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

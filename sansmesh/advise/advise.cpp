@@ -12,18 +12,18 @@ namespace {
 
 using Aim = Recommendation::Aim;
 
-// Where a trait begins to matter; docs/methods/which-method.md has what was measured on either side.
+// Thresholds of traits; docs/methods/which-method.md has the measurements on either side.
 constexpr double kStray = 0.001;       // share of outliers
 constexpr double kNoisy = 0.1;         // noise over spacing
-constexpr double kVeryNoisy = 0.5;     // from here on a single sample says little
+constexpr double kVeryNoisy = 0.5;     // single samples are unreliable above it
 constexpr double kSharp = 1;           // length of the creases over the diagonal
-constexpr double kSharpShare = 0.01;   // and share of places there: fewer are chance,
-constexpr double kSharpByNoise = 0.1;  // which noise makes more likely
+constexpr double kSharpShare = 0.01;   // and share of samples next to them: fewer are random,
+constexpr double kSharpByNoise = 0.1;  // more likely with noise
 constexpr double kBorder = 1;          // length of the borders over the diagonal
 constexpr double kBorderShare = 0.003;
 constexpr double kPartOpen = 0.005, kAllOpen = 0.995;  // share of the area that bounds no solid
 constexpr double kPartInward = 0.02;                   // share of the samples
-constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
+constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for random positions
 constexpr std::size_t kLarge = 300000;  // samples
 constexpr std::size_t kFew = 1000, kFewForNoise = 10000;
 
@@ -54,20 +54,18 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
     lines.push_back(fmt::format("{}noisy: the samples are {:.2g} spacings off the surface", j.very_noisy ? "very " : "",
                                 t.noise_ratio()));
   else if (!t.noise_known && t.step > 0)
-    lines.push_back(fmt::format("coordinates come in steps of {:.2g} spacings: what noise there is cannot be told",
-                                t.step / t.spacing));
+    lines.push_back(fmt::format("coordinates have steps of {:.2g} spacings, which hide the noise", t.step / t.spacing));
   else if (!t.noise_known)
-    lines.push_back(fmt::format("noise cannot be told from shape{}: it is {:.2g} spacings at most",
+    lines.push_back(fmt::format("noise cannot be distinguished from shape{}: it is {:.2g} spacings at most",
                                 t.samples < kFewForNoise ? " with so few samples" : "", t.most_noise / t.spacing));
   else
-    lines.push_back(t.noise_ratio() < 0.005 ? std::string("no noise to speak of")
-                                            : fmt::format("hardly any noise: {:.2g} spacings", t.noise_ratio()));
+    lines.push_back(t.noise_ratio() < 0.005 ? std::string("no noise")
+                                            : fmt::format("low noise: {:.2g} spacings", t.noise_ratio()));
   if (j.sharp)
-    lines.push_back(
-        fmt::format("sharp edges: {} of the samples lie next to one, about {:.1f} diagonals of edges in all",
-                    percent(t.creases), t.crease_length));
+    lines.push_back(fmt::format("sharp edges: {} of the samples are next to one, total length about {:.1f} diagonals",
+                                percent(t.creases), t.crease_length));
   else if (!t.creases_known)
-    lines.push_back("sharp edges cannot be told from the noise");
+    lines.push_back("sharp edges cannot be distinguished from noise");
   if (j.open)
     lines.push_back(fmt::format("open: {} bounds no solid, and ends where the samples end",
                                 j.all_open ? "the surface" : fmt::format("{:.0f} % of the surface", 100 * t.open)));
@@ -75,17 +73,18 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
     lines.push_back(fmt::format("borders or holes: {} of the faces in {}", counted(t.open_edges, "open edge"),
                                 counted(t.open_loops, "loop")));
   if (j.border)
-    lines.push_back(fmt::format("borders or holes: {} of the samples lie next to one, about {:.1f} diagonals in all",
-                                percent(t.borders), t.border_length));
+    lines.push_back(
+        fmt::format("borders or holes: {} of the samples are next to one, total length about {:.1f} diagonals",
+                    percent(t.borders), t.border_length));
   if (j.uneven)
     lines.push_back(
         fmt::format("uneven: samples are {:.1f} times farther apart in some parts than in others", t.density_ratio));
   switch (t.normals) {
     case OrientationCheck::missing:
-      lines.push_back("no normals: every command estimates and orients them by itself");
+      lines.push_back("no normals: every command estimates and orients them");
       break;
     case OrientationCheck::unoriented:
-      lines.push_back("the normals are not oriented consistently: every command orients them anew");
+      lines.push_back("the normals are not oriented consistently: every command orients them again");
       break;
     case OrientationCheck::inward:
       lines.push_back("the normals point inward: every command turns them");
@@ -94,25 +93,25 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
       break;
   }
   if (t.normals == OrientationCheck::oriented && t.orientation.inward > kPartInward)
-    lines.push_back(fmt::format("the normals of {} of the samples point inward: parts within others, or wrong ones",
+    lines.push_back(fmt::format("the normals of {} of the samples point inward: nested parts, or wrong normals",
                                 percent(t.orientation.inward)));
-  if (j.few) lines.push_back("few samples: detail between them is a guess, whatever the method");
+  if (j.few) lines.push_back("few samples: no method can recover detail between them");
   return lines;
 }
 
 Recommendation mesh(const Judgement& j) {
-  // A surface that ends with its samples puts no walls between strays, and what little they make is left out; twigs and
-  // wires are no strays.
+  // A surface that ends with its samples has no walls between stray samples, and their small parts are removed; thin
+  // twigs and wires are not stray.
   const bool strays_go = j.stray && !j.open;
   std::string why = std::string(j.open ? "" : "closed, and ") +
-                    "the nearest to the truth with the fewest triangles and seconds of all that were measured";
+                    "of all methods measured the smallest error with the fewest triangles and the least time";
   if (j.sharp)
-    why = "has creases itself, so edges come out as edges; the others round them";
+    why = "represents creases, so that edges stay sharp; the other methods round them";
   else if (j.noisy)
-    why = "supports as wide as the noise asks for: the least error of all that were measured";
+    why = "supports adapt to the noise: the smallest error of all methods measured";
   else if (j.large)
-    why = "the others need many times the time for as many samples";
-  if (strays_go) why += "; without the stray samples, which would spoil a closed surface altogether";
+    why = "the other methods need many times the time for so many samples";
+  if (strays_go) why += "; without the stray samples, which would ruin a closed surface";
   if (j.open)
     why += "; it ends where the samples end (`open = false` closes it), gaps narrower than `fill_holes` are filled";
   else if (j.border || j.holes)
@@ -132,36 +131,32 @@ Recommendation picture(const Judgement& j) {
 Recommendation curvature(const Judgement& j) {
   return {.aim = Aim::curvature,
           .surface = "curvature",
-          .why = j.noisy
-                     ? "the curvature-driven projection leaves out the nearest samples, whose noise spoils curvatures "
-                       "most"
-                     : "principal curvatures and directions at every sample"};
+          .why = j.noisy ? "the curvature-driven projection omits the nearest samples, whose noise disturbs curvatures "
+                           "most"
+                         : "principal curvatures and directions at every sample"};
 }
 
 Recommendation points(const Judgement& j) {
   return {.aim = Aim::points,
           .surface = "partition",
           .remove_outliers = j.stray,
-          .why =
-              "moves the samples themselves onto the surface that is nearest to the truth: the noise goes, normals and "
-              "all"};
+          .why = "moves the samples onto the most accurate surface, which removes noise of positions and normals"};
 }
 
 Recommendation solid(const Judgement& j) {
   return {.aim = Aim::solid,
           .surface = "partition",
           .remove_outliers = j.stray && !j.open,
-          .why = j.all_open
-                     ? "a function to edit block by block; it bounds no solid, so that sums and cuts with others "
-                       "mean little"
-                     : "a function that knows inside from outside: edited block by block, joined with or cut by "
-                       "others"};
+          .why = j.all_open ? "a function for block-wise editing; it bounds no solid, so that unions and differences "
+                              "mean little"
+                            : "a function that is negative inside, for block-wise editing, unions and differences with "
+                              "others"};
 }
 
 Recommendation deformation() {
   return {.aim = Aim::deformation,
           .surface = "partition",
-          .why = "the samples themselves are pulled at handles, by moving least squares: no mesh is needed"};
+          .why = "moving least squares moves the samples with the handles: no mesh is needed"};
 }
 
 }  // namespace
@@ -217,8 +212,8 @@ Advice advise(const PointSet& points, Progress& progress) {
 
 namespace {
 
-constexpr ReportRow kAdviceRows[] = {reported<&Advice::traits>({.text = "What the samples are like"}),
-                                     reported<&Advice::findings>({.text = "What was seen, in words"})};
+constexpr ReportRow kAdviceRows[] = {reported<&Advice::traits>({.text = "Traits of the samples"}),
+                                     reported<&Advice::findings>({.text = "Observations as text"})};
 
 }  // namespace
 

@@ -9,13 +9,13 @@ namespace {
 
 using VolumeAim = VolumeRecommendation::Aim;
 
-/// Share of the samples next to steps from which on a volume has borders that no single value follows.
+/// Share of the samples next to steps above which a volume has borders that no single value follows.
 constexpr double kBorders = 0.005;
 
 std::string border_reason(const VolumeTraits& traits) {
   return fmt::format(
-      "the array jumps at {:.2g} % of its samples: borders between materials are where it changes most, "
-      "at whatever value",
+      "the array jumps at {:.2g} % of its samples: borders between materials have the largest gradients, "
+      "at any value",
       100 * traits.steps);
 }
 
@@ -32,30 +32,32 @@ std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer) {
   const auto add = [&](VolumeAim aim, std::string why) { list.push_back({.aim = aim, .why = std::move(why)}); };
   const bool changes = offer.steps > 1;
   if (offer.vectors) {
-    add(VolumeAim::flow_picture, std::string(changes ? "path" : "stream") +
-                                     " surfaces show where the flow goes, line integral convolution how it goes there");
-    add(VolumeAim::flow_surface, "the same as a mesh: particles are added where the flow parts them");
-    add(VolumeAim::lines, changes ? "the flow changes with time: path lines are what particles do, stream lines are not"
-                                  : "the flow does not change: stream lines are what particles do");
+    add(VolumeAim::flow_picture,
+        std::string(changes ? "path" : "stream") +
+            " surfaces show the paths of the flow, line integral convolution its directions on them");
+    add(VolumeAim::flow_surface, "the same as a mesh: particles are added where the flow diverges");
+    add(VolumeAim::lines, changes ? "the flow changes with time: particles follow path lines, not stream lines"
+                                  : "the flow is steady: particles follow stream lines");
   }
   if (offer.values) {
-    const std::string& name = offer.suited.method;
-    // Surfaces by moving least squares weigh samples by their values: noise and coarse edges do them less harm.
-    // On other grids than lattices their layers fall apart where cells are flat (docs/methods/volume-surfaces.md).
+    const std::string& name = offer.recommended.method;
+    // Surfaces by moving least squares weight samples by their values and are less sensitive to noise and coarse edges.
+    // On grids other than lattices their layers fall apart in flat cells (docs/methods/volume-surfaces.md).
     const bool by_samples = offer.lattice && !(offer.traits.resolved() && offer.traits.edges_resolved());
     if (by_samples && offer.traits.steps >= kBorders) add(VolumeAim::border, border_reason(offer.traits));
     add(VolumeAim::surface,
-        by_samples ? "of one value, by moving least squares over the samples: smooth where an isosurface follows each"
-                   : "of one value, an isosurface of the reconstruction: smooth, as far as the samples resolve it");
+        by_samples
+            ? "of one value, by moving least squares on the samples: smooth where an isosurface follows every sample"
+            : "of one value, an isosurface of the reconstruction: as smooth as the samples resolve it");
     list.back().by_samples = by_samples;
-    add(VolumeAim::picture, fmt::format("all of the volume at once, as {} sees it", name));
-    add(VolumeAim::values, "values and gradients at any place, by the same reconstruction");
-    add(VolumeAim::grid, "the same on a lattice, for programs that read nothing else");
-    add(VolumeAim::deformation, "pulled at handles, without a mesh: by moving least squares, seen through the map");
+    add(VolumeAim::picture, fmt::format("the whole volume, reconstructed by {}", name));
+    add(VolumeAim::values, "values and gradients at any point, by the same reconstruction");
+    add(VolumeAim::grid, "the same on a lattice, for programs that read only these");
+    add(VolumeAim::deformation, "moved with handles by moving least squares, without a mesh");
   }
-  // Where there are vectors it is more likely a body of fluid, or a simulation's result.
+  // Volumes with vectors are more likely a fluid, or the result of a simulation.
   if (offer.body && !offer.vectors)
-    add(VolumeAim::forces, "its cells are a body: gravity, forces and contacts move it as springs or elasticity do");
+    add(VolumeAim::forces, "its cells form a body: gravity, forces and contacts move it by springs or elasticity");
   return list;
 }
 

@@ -1,4 +1,4 @@
-// What a cloud is like: noise, density, creases, borders, outliers.
+// Measures traits of a cloud: noise, density, creases, borders, outliers.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -28,24 +28,24 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kSpacingNeighbours = 16;  // as surfaces use it
+constexpr std::size_t kSpacingNeighbours = 16;  // the number used by surfaces
 constexpr std::size_t kDensityPlaces = 2000;
-constexpr std::size_t kNormals = 30000;  // samples whose normals are estimated for finding creases
+constexpr std::size_t kNormals = 30000;  // samples with estimated normals in the search for creases
 constexpr std::size_t kMostPlaces = 500;
-constexpr std::size_t kLooked = 24;    // neighbours among which a crease is looked for
+constexpr std::size_t kLooked = 24;    // neighbours searched for a crease
 constexpr double kCreaseAngle = 40;    // degrees
-constexpr double kSideAngle = 12;      // normals of one side of a crease lie this near to each other
-constexpr double kHidingNoise = 0.35;  // noise over spacing from where on creases cannot be told
+constexpr double kSideAngle = 12;      // largest angle between normals of one side of a crease
+constexpr double kHidingNoise = 0.35;  // noise over spacing above which creases are indistinguishable
 constexpr double kBorderGap = 140;     // degrees of the tangent plane without a neighbour
 constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
-/// Samples that are fitted to tell whether the surface is open, and share of open edges from which faces are a soup.
+/// Samples fitted to test whether the surface is open, and share of open edges above which faces are a soup.
 constexpr std::size_t kFitted = 60000;
 constexpr double kSoup = 0.25;
-constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
+constexpr int kMostNeighbours = 60;  // for the tangent plane in the test for borders
 
-/// Of spacings, every part of the surface counting as much as its area: samples alone would describe mainly the dense
-/// parts. `ascending` must be so.
+/// Quantile of spacings weighted by area: weighting by samples would mainly describe the dense parts. `ascending` must
+/// be sorted.
 double quantile_by_area(const std::vector<double>& ascending, double q) {
   double area = 0, passed = 0;
   for (const double s : ascending) area += s * s;
@@ -58,7 +58,7 @@ double quantile_by_area(const std::vector<double>& ascending, double q) {
 
 double degrees(double angle) { return angle * std::numbers::pi / 180; }
 
-/// The edge of the square that a sample stands for, from the distance to the k-th neighbour.
+/// Side of the square that a sample represents, from the distance to the k-th neighbour.
 double square_edge(double distance, std::size_t k) {
   return distance * std::sqrt(std::numbers::pi / static_cast<double>(k));
 }
@@ -78,8 +78,8 @@ void measure_density(const PointSet& points, CloudTraits& traits) {
   if (middle > 0) traits.evenness = median(nearest) / middle;
 }
 
-/// Whether the first of these normals (of a place) is next to an edge: those around it are of two kinds, its own and
-/// one that differs much. A surface that merely curves has all the normals between as well.
+/// Whether the first of these normals (of the point itself) is next to an edge: the normals around it form two groups,
+/// its own and a very different one. On a curved surface there are also normals in between.
 bool next_to_crease(std::span<const Vec3f> normals) {
   const auto alike = [](const Vec3f& a, const Vec3f& b) { return std::abs(dot(a, b)); };
   const Vec3f own = normals[0];
@@ -95,7 +95,7 @@ bool next_to_crease(std::span<const Vec3f> normals) {
   return here >= 4 && there >= 4 && 10 * (here + there) >= 8 * normals.size();
 }
 
-/// Whether neighbours leave out a good part of the tangent plane around the place.
+/// Whether a large sector of the tangent plane around the point has no neighbours.
 bool next_to_border(std::span<const Vec3f> offsets, const Vec3f& normal) {
   Vec3f t, b;
   tangent_frame(normal, t, b);
@@ -118,12 +118,12 @@ void measure_open_edges(const PointSet& given, CloudTraits& traits) {
   traits.open_loops = topology.boundary_loops;
 }
 
-/// What fitting says of the samples, or of some of them: enough to tell a solid from a sheet.
+/// Openness of a fit to the samples or a subset, which distinguishes a solid from a sheet.
 void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) {
   if (points.size() > kFitted) {
     std::vector<std::uint8_t> mask(points.size());
     const double kept = static_cast<double>(kFitted) / static_cast<double>(points.size());
-    // By a fixed rule that no order of the samples falls in step with (the finaliser of SplitMix64).
+    // A fixed pseudo-random rule, independent of patterns in the order of samples (finaliser of SplitMix64).
     for (std::size_t i = 0; i < mask.size(); ++i) {
       std::uint64_t z = (i + 1) * 0x9E3779B97F4A7C15u;
       z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -139,7 +139,7 @@ void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) 
     const PartitionReport& r = function.field.report();
     traits.open = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
   } catch (const DataError&) {
-    traits.open = 0;  // too few samples for any fit: nothing is known
+    traits.open = 0;  // too few samples for any fit: unknown
   }
 }
 
@@ -148,8 +148,8 @@ double share(const std::vector<std::uint8_t>& which, const std::vector<std::uint
   return all > 0 ? static_cast<double>(std::count(which.begin(), which.end(), 1)) / static_cast<double>(all) : 0.0;
 }
 
-/// A band along a line holds its length × its width / spacing² samples. Its width goes by the radius of the neighbours
-/// looked at: spacing √(k/π).
+/// A band along a line contains length × width / spacing² samples. Its width is proportional to the radius of the
+/// neighbourhoods: spacing √(k/π).
 double line_length(double share_of_samples, double width_over_radius, const CloudTraits& t) {
   if (!(t.diagonal > 0)) return 0;
   const double radius = std::sqrt(static_cast<double>(kLooked) / std::numbers::pi);
@@ -190,7 +190,7 @@ void measure_borders(const PointSet& points, CloudTraits& traits) {
     const std::span<const Vec3f> near = offsets.first(std::min(offsets.size(), k + 1));
     const PrincipalAxes axes = principal_axes(moments(near).covariance);
     known[p] = 1;
-    // At creases, neighbours on the other side hide behind each other, seen from above.
+    // At creases, neighbours on the other side are hidden in the projection.
     if (axes.values.x > 0.03 * axes.values.z && traits.noise_ratio() < kHidingNoise) return;
     border[p] = next_to_border(offsets.first(kBorderNeighbours + 1), Vec3f(axes.axes[0]));
   });
@@ -243,26 +243,26 @@ constexpr ReportRow kCloudTraitsRows[] = {
     reported<&CloudTraits::diagonal>({.text = "Diagonal of the box", .unit = "length"}),
     reported<&CloudTraits::spacing>({.text = "Edge of the square that a sample stands for", .unit = "length"}),
     reported<&CloudTraits::noise>({.text = "Standard deviation of the samples off the surface", .unit = "length"}),
-    reported<&CloudTraits::noise_known>({.text = "Whether noise and shape can be told apart"}),
+    reported<&CloudTraits::noise_known>({.text = "Whether noise and shape are distinguishable"}),
     reported<&CloudTraits::most_noise>({.text = "The noise is no more than this", .unit = "length"}),
     reported<&CloudTraits::step>({.text = "Steps of the coordinates, where they hide the noise", .unit = "length"}),
     reported<&CloudTraits::density_ratio>(
         {.text = "Local spacing: its 95 % quantile over its 5 % quantile", .unit = "factor"}),
     reported<&CloudTraits::evenness>({.text = "Distance of the nearest sample over the spacing"}),
     reported<&CloudTraits::outliers>({.text = "Share of samples that belong to no surface", .unit = "share"}),
-    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.creases); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.creases_known, r.creases); }>(
         {.name = "creases",
          .text = "Share of places next to a sharp edge; nothing where noise hides them",
          .unit = "share"}),
-    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.crease_length); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.creases_known, r.crease_length); }>(
         {.name = "crease_length", .text = "Length of the sharp edges", .unit = "diagonals"}),
     reported<&CloudTraits::borders>({.text = "Share of places next to a border or hole", .unit = "share"}),
     reported<&CloudTraits::border_length>({.text = "Length of the borders", .unit = "diagonals"}),
     reported<&CloudTraits::open>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
     reported<&CloudTraits::faces>({.text = "Whether there are faces"}),
-    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_edges); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.faces, r.open_edges); }>(
         {.name = "open_edges", .text = "Edges of one face"}),
-    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_loops); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.faces, r.open_loops); }>(
         {.name = "open_loops", .text = "Connected sets of these"}),
     reported<[](const CloudTraits& r) { return judge_normals(r.orientation).words; }>(
         {.name = "normals", .text = "Normals, in words"}),

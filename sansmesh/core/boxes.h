@@ -1,9 +1,10 @@
-// Several boxes at once.
+// Tests and unions of several boxes.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "sansmesh/box.h"
@@ -19,10 +20,25 @@ bool touch(const BoxT<T>& a, const BoxT<T>& b) {
   return true;
 }
 
+/// Corner c (0 to 7): bits 0, 1 and 2 select the upper end along x, y and z.
+template <class T>
+VecT<T> box_corner(const BoxT<T>& box, int c) {
+  return {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z};
+}
+
 template <class T>
 BoxT<T> widened(const BoxT<T>& box, T by) {
   const VecT<T> d{by, by, by};
   return {box.lower - d, box.upper + d};
+}
+
+/// Bounding box of the finite points of a list.
+template <class Points>
+auto finite_bounds(const Points& points) {
+  BoxT<std::remove_cvref_t<decltype(points[0].x)>> box;
+  for (const auto& p : points)
+    if (is_finite(p)) box.extend(p);
+  return box;
 }
 
 template <class T>
@@ -32,7 +48,7 @@ BoxT<T> bounds_of(const std::vector<BoxT<T>>& boxes) {
   return all;
 }
 
-/// Which of them holds the point: its index, or how many there are.
+/// Index of the first box that contains the point, or the number of boxes if none does.
 template <class T>
 std::size_t which_contains(const std::vector<BoxT<T>>& boxes, const VecT<T>& p) {
   const auto found = std::find_if(boxes.begin(), boxes.end(), [&](const BoxT<T>& b) { return b.contains(p); });
@@ -55,8 +71,8 @@ T volume_of(const BoxT<T>& box) {
   return box.empty() ? T(0) : s.x * s.y * s.z;
 }
 
-/// Puts one box in the place of two that touch where it is at most `growth` times as large as the two together, until
-/// there are none such, and drops empty ones. Work with the cube of their number at worst.
+/// Replaces two touching boxes by their common bounding box if it has at most `growth` times their total volume.
+/// Repeats until no such pair is left, and drops empty boxes. Worst-case work is cubic in the number of boxes.
 template <class T>
 void unite(std::vector<BoxT<T>>& boxes, T growth) {
   std::erase_if(boxes, [](const BoxT<T>& b) { return b.empty(); });
@@ -70,12 +86,12 @@ void unite(std::vector<BoxT<T>>& boxes, T growth) {
       }
       boxes[i] = both;
       boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(j));
-      // What has grown may suit those before it, too: from the start.
+      // The grown box may now merge with earlier ones: restart.
       i = 0, j = 1;
     }
 }
 
-/// How many separate sets there are of boxes that touch.
+/// Number of connected components of touching boxes.
 template <class T>
 std::size_t separate_sets(const std::vector<BoxT<T>>& boxes) {
   UnionFind sets(boxes.size());

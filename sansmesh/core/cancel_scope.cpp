@@ -5,26 +5,26 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-thread_local const Progress* heard = nullptr;
+thread_local const Progress* observed = nullptr;
 
 }  // namespace
 
-CancelScope::CancelScope(const Progress& progress) : before_(std::exchange(heard, &progress)) {}
-CancelScope::~CancelScope() { heard = before_; }
+CancelScope::CancelScope(const Progress& progress) : before_(std::exchange(observed, &progress)) {}
+CancelScope::~CancelScope() { observed = before_; }
 
 void check_cancelled() {
-  if (heard != nullptr) heard->check();
+  if (observed != nullptr) observed->check();
 }
 
 namespace detail {
 
-const Progress* heard_progress() { return heard; }
+const Progress* observed_progress() { return observed; }
 
-ListenAs::ListenAs(const Progress* progress) : before_(heard) {
+ObserveAs::ObserveAs(const Progress* progress) : before_(observed) {
   if (progress != nullptr) progress->check();
-  heard = progress;
+  observed = progress;
 }
-ListenAs::~ListenAs() { heard = before_; }
+ObserveAs::~ObserveAs() { observed = before_; }
 
 }  // namespace detail
 }  // namespace sansmesh::inline v1

@@ -1,26 +1,26 @@
-// Cancellation of work that is handed no Progress: loops, readers of files, waits.
+// Cancellation of work that receives no Progress: loops, file readers, waits.
 #pragma once
 
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
 
-/// Throws Cancelled after cancel() of the Progress whose scope the calling thread is in.
+/// Throws Cancelled after cancel() of the Progress whose CancelScope encloses the call.
 void check_cancelled();
 
 namespace detail {
 
-/// What the calling thread listens to; null: nothing.
-const Progress* heard_progress();
+/// Progress that the calling thread observes; null if there is none.
+const Progress* observed_progress();
 
-/// A thread of a loop listens to what the loop's caller does, as long as this lives. Throws Cancelled if it is
-/// cancelled already.
-class ListenAs {
+/// Makes a worker thread observe the Progress of the loop's caller while this object lives. Throws Cancelled if it is
+/// already cancelled.
+class ObserveAs {
  public:
-  explicit ListenAs(const Progress* progress);
-  ~ListenAs();
-  ListenAs(const ListenAs&) = delete;
-  ListenAs& operator=(const ListenAs&) = delete;
+  explicit ObserveAs(const Progress* progress);
+  ~ObserveAs();
+  ObserveAs(const ObserveAs&) = delete;
+  ObserveAs& operator=(const ObserveAs&) = delete;
 
  private:
   const Progress* before_;

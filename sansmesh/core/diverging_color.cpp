@@ -16,7 +16,7 @@ float gamma_encoded(double linear) {
 Vec3f diverging_color(float t) {
   t = std::isfinite(t) ? std::clamp(t, -1.0f, 1.0f) : t > 0 ? 1.0f : t < 0 ? -1.0f : 0.0f;
   const double s = std::abs(static_cast<double>(t));
-  // The ends have the same lightness and the same distance from grey, both within sRGB.
+  // Both ends have the same lightness and chroma, within sRGB.
   const double angle = t < 0 ? 4.53 : 0.45, chroma = 0.155 * s, lightness = 0.98 - 0.48 * s;
   const double a = chroma * std::cos(angle), b = chroma * std::sin(angle);
   const auto cube = [](double v) { return v * v * v; };

@@ -1,12 +1,12 @@
-// Colours for numbers with a sign.
+// Diverging colour map for signed numbers.
 #pragma once
 
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
-/// Blue at −1, white at 0, red at +1 (sRGB 0..1; values beyond are clamped): two ramps of even perceptual steps, mirror
-/// images of each other in lightness and colourfulness (straight lines in Oklab, Ottosson 2020).
+/// Blue at −1, white at 0, red at +1 (sRGB 0..1; values outside are clamped). Both ramps have even perceptual steps and
+/// mirror each other in lightness and chroma (straight lines in Oklab; ottosson2020).
 Vec3f diverging_color(float t);
 
 }  // namespace sansmesh::inline v1

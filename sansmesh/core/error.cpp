@@ -7,11 +7,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Characters of a cause: room for any sentence of ours with a few excerpts of a file in it.
+/// Largest number of characters of a cause: enough for any message of the library with a few excerpts of a file.
 constexpr std::size_t kLongestCause = 600;
 
-/// Length in bytes of the character that `text` begins with, if it can be shown as it stands in one line; else 0: not
-/// UTF-8 (RFC 3629), a control character (C0, DEL, C1) or one that breaks the line.
+/// Length in bytes of the first character of `text` if it is printable on one line; 0 for invalid UTF-8 (RFC 3629), a
+/// control character (C0, DEL, C1) or a line break.
 std::size_t showable(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
   const std::uint32_t first = byte(0);
@@ -32,14 +32,14 @@ std::size_t showable(std::string_view text) {
 
 std::string printable(std::string_view text, std::size_t most) {
   constexpr std::string_view dots = "…", digits = "0123456789abcdef";
-  // Of an excerpt of megabytes only the ends are looked at: a character has at most four bytes.
+  // Only the ends of a long excerpt are needed: a character has at most four bytes.
   std::string ends;
   if (most < text.size() / 8) {
     ends = std::string(text.substr(0, 4 * most + 4)) + std::string(text.substr(text.size() - 4 * most - 4));
     text = ends;
   }
   std::string result;
-  std::vector<std::size_t> begins;  // of each character, escaped or not, in the result
+  std::vector<std::size_t> begins;  // start of each character, escaped or not, in the result
   while (!text.empty()) {
     begins.push_back(result.size());
     const std::size_t length = showable(text);
@@ -53,7 +53,7 @@ std::string printable(std::string_view text, std::size_t most) {
   }
   if (begins.size() <= most) return result;
   if (most == 0) return {};
-  // The beginning tells most, but what a sentence says about an excerpt stands at its end.
+  // The beginning is most informative, but a comment on an excerpt is at its end.
   const std::size_t tail = (most - 1) / 3, head = most - 1 - tail;
   const std::string end = tail == 0 ? std::string() : result.substr(begins[begins.size() - tail]);
   return result.substr(0, begins[head]).append(dots) + end;

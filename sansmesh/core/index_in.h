@@ -1,4 +1,4 @@
-// From real numbers to whole ones, whatever the real ones are.
+// Saturating conversion of real numbers to integers.
 #pragma once
 
 #include <limits>
@@ -6,15 +6,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// The whole part of `x` (what is behind the point is dropped) as a number from `first` to `last`, first <= last:
-/// beyond them the nearer one, of NaN the first. A plain cast of a number that the type cannot hold is undefined, and
-/// processors differ in what they make of it. Costs a maximum and a minimum more than the cast, no branch, where
-/// doubles hold every number of the type.
+/// Truncates `x` and clamps it to first..last, first <= last; NaN gives `first`. A plain cast of a number outside the
+/// type's range is undefined, and its result differs between processors. Where Real represents every value of the type,
+/// the cost is one maximum, one minimum and no branch more than the cast.
 template <class Whole, class Real>
 constexpr Whole index_in(Real x, std::type_identity_t<Whole> first, std::type_identity_t<Whole> last) {
   static_assert(std::is_integral_v<Whole> && std::is_floating_point_v<Real>);
   constexpr int bits = std::numeric_limits<Whole>::digits;
-  // Of the comparisons with NaN none is true.
+  // Comparisons with NaN are false, so NaN becomes `low`.
   if constexpr (bits <= std::numeric_limits<Real>::digits) {
     const Real low = static_cast<Real>(first), high = static_cast<Real>(last);
     x = x > low ? x : low;
@@ -22,13 +21,13 @@ constexpr Whole index_in(Real x, std::type_identity_t<Whole> first, std::type_id
   } else if constexpr (bits <= std::numeric_limits<double>::digits) {
     return index_in<Whole>(static_cast<double>(x), first, last);
   } else {
-    // The ends may have been rounded, but between them lie only numbers of the range.
+    // Rounding may have moved the bounds, but every value between them is in range.
     if (!(x > static_cast<Real>(first))) return first;
     return x < static_cast<Real>(last) ? static_cast<Whole>(x) : last;
   }
 }
 
-/// The whole part of `x` as the number of that type that is nearest to it, 0 of NaN.
+/// Truncates `x` and clamps it to the range of the type; NaN gives 0.
 template <class Whole, class Real>
 constexpr Whole whole_part(Real x) {
   using Limits = std::numeric_limits<Whole>;

@@ -1,4 +1,4 @@
-// Parsing of JSON with errors in our own words. Only for sources: the library for JSON takes long to compile.
+// JSON parsing with the library's own error messages. Include it only in sources: the JSON library is slow to compile.
 #pragma once
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// "line 3, column 14" of the last byte that was read, the `byte`-th.
+/// Returns "line 3, column 14" for the last byte read; `byte` counts from 1.
 inline std::string json_place(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, std::min(byte > 0 ? byte - 1 : 0, text.size()));
   const std::size_t line = 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
@@ -21,24 +21,24 @@ inline std::string json_place(std::string_view text, std::size_t byte) {
   return fmt::format("line {}, column {}", line, 1 + before.size() - (begin == std::string_view::npos ? 0 : begin + 1));
 }
 
-/// One line for what the parser says, without its names of classes.
+/// Error text of one line, without the parser's class names.
 inline std::string json_error(std::string_view text, const nlohmann::json::parse_error& error) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is not JSON: it is blank";
   if (error.byte > text.size()) {
     const std::string_view all = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
-    return "is not JSON: it ends too early, at " + json_place(text, all.size());
+    return "is not JSON: it ends unexpectedly at " + json_place(text, all.size());
   }
   const std::string what = error.what(), place = json_place(text, error.byte);
   const char c = error.byte > 0 ? text[error.byte - 1] : ' ';
   if (what.find("ill-formed UTF-8") != std::string::npos)
-    return fmt::format("is not JSON: {} is a byte that is not UTF-8", place);
+    return fmt::format("is not JSON: {} is not valid UTF-8", place);
   if (what.find("control character") != std::string::npos)
-    return fmt::format("is not JSON: at {} a text breaks off, or holds a control character", place);
-  return fmt::format("is not JSON: '{}' at {} is not what belongs there", printable(std::string_view(&c, 1)), place);
+    return fmt::format("is not JSON: at {} a string is unterminated or contains a control character", place);
+  return fmt::format("is not JSON: unexpected '{}' at {}", printable(std::string_view(&c, 1)), place);
 }
 
-/// `look` sees the parser's events, as nlohmann's callback. Throws ArgumentError where the text is not JSON, with the
-/// place, or holds a number beyond those of double precision.
+/// `look` receives the parser's events (nlohmann's callback). Throws ArgumentError, with the location, if the text is
+/// not JSON or holds a number outside the range of double.
 template <class Json>
 Json parse_json(std::string_view text, const typename Json::parser_callback_t& look = nullptr, bool comments = false) {
   try {
@@ -46,11 +46,11 @@ Json parse_json(std::string_view text, const typename Json::parser_callback_t& l
   } catch (const nlohmann::json::parse_error& error) {
     throw ArgumentError(json_error(text, error));
   } catch (const nlohmann::json::out_of_range&) {
-    throw ArgumentError("holds a number that is too large");
+    throw ArgumentError("contains a number that is too large");
   }
 }
 
-/// The same of a file: FileError.
+/// Same as parse_json, but throws FileError.
 template <class Json>
 Json parse_json_file(const std::string& file, std::string_view text) {
   try {

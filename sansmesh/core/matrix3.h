@@ -5,21 +5,21 @@
 
 namespace sansmesh::inline v1 {
 
-/// The 3×3 matrix (a, b, c), by columns: A x = x.x a + x.y b + x.z c. Solved by Cramer's rule, which takes few
-/// operations and is accurate as long as the determinant is not small against the product of the columns' lengths:
-/// callers make sure that it is not. No determinant, no solution: then the answer is not finite.
+/// 3×3 matrix with columns a, b, c: A x = x.x a + x.y b + x.z c. Cramer's rule takes few operations and is accurate
+/// unless the determinant is small against the product of the column lengths; callers ensure that. A zero determinant
+/// gives a non-finite solution.
 struct Matrix3 {
   Vec3 a, b, c;
 
   double determinant() const { return dot(a, cross(b, c)); }
 
-  /// x with A x = r.
+  /// Solves A x = r.
   Vec3 solve(const Vec3& r) const {
     const Vec3 bc = cross(b, c);
     return Vec3{dot(r, bc), dot(a, cross(r, c)), dot(a, cross(b, r))} / dot(a, bc);
   }
 
-  /// x with Aᵀ x = r: its products with the columns are r.x, r.y, r.z.
+  /// Solves Aᵀ x = r: r.x, r.y, r.z are the products of x with the columns.
   Vec3 solve_transposed(const Vec3& r) const {
     const Vec3 bc = cross(b, c);
     return (bc * r.x + cross(c, a) * r.y + cross(a, b) * r.z) / dot(a, bc);

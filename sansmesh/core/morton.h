@@ -1,4 +1,4 @@
-// Cells along the Morton curve.
+// Morton codes of grid cells.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1 {
 namespace detail {
 
-/// Puts two zeros between neighbours of the low 21 bits.
+/// Inserts two zeros between neighbouring bits of the low 21.
 inline std::uint64_t spread_bits(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffffULL;
@@ -33,7 +33,7 @@ inline std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t
   return detail::spread_bits(x) | detail::spread_bits(y) << 1 | detail::spread_bits(z) << 2;
 }
 
-/// The three integers again.
+/// Inverse of morton_code.
 inline std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
   return {detail::gather_bits(code), detail::gather_bits(code >> 1), detail::gather_bits(code >> 2)};
 }

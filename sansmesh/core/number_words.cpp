@@ -15,14 +15,15 @@ std::string grouped(std::uint64_t n) {
 }
 
 std::string counted(std::uint64_t n, std::string_view noun) {
+  if (n != 1 && noun == "vertex") return grouped(n) + " vertices";
   return (grouped(n) + ' ').append(noun).append(n == 1 ? "" : "s");
 }
 
 std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
-std::string place_words(const Vec3& p) {
+std::string point_words(const Vec3& p, int digits) {
   // Adding 0 turns -0 into 0.
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x + 0.0, p.y + 0.0, p.z + 0.0);
+  return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", p.x + 0.0, digits, p.y + 0.0, digits, p.z + 0.0, digits);
 }
 
 std::string size_words(const Vec3& size) {

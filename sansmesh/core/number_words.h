@@ -1,4 +1,4 @@
-// Numbers as words of a sentence.
+// Numbers formatted for messages.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@ namespace sansmesh::inline v1 {
 /// 1234567 → "1,234,567".
 std::string grouped(std::uint64_t n);
 
-/// "1 component", "3 components", "1,234 components".
+/// "1 vertex", "3 vertices", "1,234 components".
 std::string counted(std::uint64_t n, std::string_view noun);
 
-/// With four significant digits: "0.01234".
+/// Formats a length with four significant digits: "0.01234".
 std::string length_words(double length);
 
-/// "(1, 2, 3)", with six digits.
-std::string place_words(const Vec3& place);
-/// "1.5 × 2 × 0.25", as lengths.
+/// Formats a point: "(1, 2, 3)".
+std::string point_words(const Vec3& point, int digits = 6);
+/// Formats edge lengths: "1.5 × 2 × 0.25".
 std::string size_words(const Vec3& size);
 /// "area 1.5, volume 2".
 std::string area_words(double area, const std::optional<double>& volume);
-/// A line of a summary: "area            0.5".
+/// Line of a summary: "area            0.5".
 std::string titled(std::string_view title, std::string_view text, int width = 16);
 
 }  // namespace sansmesh::inline v1

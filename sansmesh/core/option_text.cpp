@@ -6,6 +6,12 @@
 
 namespace sansmesh::inline v1 {
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
 std::string_view without_blanks(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
@@ -27,7 +33,7 @@ bool reads_as_number(std::string_view text, double& value) {
   if (at != end && *at == '+') ++at;
   if (at == end || (at != text.data() && *at == '-')) return false;
   const auto [next, error] = std::from_chars(at, end, value);
-  if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: as far as numbers reach
+  if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: infinity or zero
     value = text.find("e-") != std::string_view::npos || text.find("E-") != std::string_view::npos ? 0.0 : HUGE_VAL;
     if (text[0] == '-') value = -value;
     return next == end;
@@ -60,7 +66,7 @@ std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t
 std::optional<long long> whole_in(std::string_view text, long long least, long long most) {
   text = without_blanks(text);
   double value = 0;
-  // 2^63 has no whole number of its own here; nothing is counted up to it.
+  // 2^63 is not representable as long long; counts stay far below it.
   if (!reads_as_number(text, value) || std::isinf(value) || std::floor(value) != value ||
       value < static_cast<double>(least) || value > static_cast<double>(most) || std::abs(value) >= 9e18)
     return std::nullopt;

@@ -1,4 +1,4 @@
-// Numbers and lists read from short texts, such as the values of options.
+// Parses names, numbers and lists from short texts, for example option values.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,26 @@
 
 namespace sansmesh::inline v1 {
 
-/// A text without the blanks at its ends.
+/// Lower-case copy (ASCII).
+std::string lower_case(std::string_view text);
+
+/// Returns the text without leading and trailing blanks.
 std::string_view without_blanks(std::string_view text);
 
-/// The parts of a text between these characters; one part if it has none of them.
+/// Splits a text at a character; returns one part if the character does not occur.
 std::vector<std::string> parts_between(std::string_view text, char between);
 inline std::vector<std::string> between_commas(std::string_view text) { return parts_between(text, ','); }
 
-/// Tells whether the whole text is a number, as C writes decimal ones, and reads it. "inf" is a number, "nan" is none.
+/// Returns whether the whole text is a decimal number in C syntax, and reads it. "inf" is a number, "nan" is not.
 bool reads_as_number(std::string_view text, double& value);
 
-/// The finite number that a text is, with or without blanks around it; nothing if it is none.
+/// Parses a finite number, with or without surrounding blanks.
 std::optional<double> number_in(std::string_view text);
-/// Finite numbers with commas between them; nothing if a part is no number.
+/// Parses finite numbers separated by commas; returns nothing if a part is not a number.
 std::optional<std::vector<double>> numbers_in(std::string_view text);
-/// The same, if there are exactly `count` of them.
+/// Same, for exactly `count` numbers.
 std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count);
-/// The whole number of least..most that a text is, "1e6" included.
+/// Parses an integer from `least` to `most`; accepts "1e6".
 std::optional<long long> whole_in(std::string_view text, long long least, long long most);
 
 }  // namespace sansmesh::inline v1

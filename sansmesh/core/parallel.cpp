@@ -1,4 +1,4 @@
-// On oneTBB. See parallel_watched.cpp for the thread sanitizer.
+// Parallel loops on oneTBB. See parallel_watched.cpp for builds with the thread sanitizer.
 #include "sansmesh/core/parallel.h"
 
 #include "sansmesh/core/parallel_backend.h"
@@ -24,8 +24,8 @@ namespace {
 
 using tbb::global_control;
 
-/// oneTBB has no more workers in the whole process than cores, however large an arena is. This lifts that limit for
-/// scopes that ask for more, while there is one.
+/// oneTBB limits the workers of the whole process to the number of cores, even for larger arenas. This class raises
+/// that limit as long as a scope needs more.
 class WorkerLimit {
  public:
   static void lift(int threads) {
@@ -40,7 +40,7 @@ class WorkerLimit {
   }
 
  private:
-  // Never destroyed: a scope may end as late as it likes.
+  // Never destroyed: a scope may end during program exit.
   static std::mutex& mutex() {
     static auto* const m = new std::mutex;
     return *m;
@@ -54,9 +54,9 @@ class WorkerLimit {
     return *c;
   }
 
-  /// Of all limits in a process the least counts: ours must never be the one that lowers a host's.
+  /// The least limit in a process applies: this one must never lower a host's.
   static void renew() {
-    control().reset();  // what is left is what a host says
+    control().reset();  // the remaining limit is the host's
     if (sizes().empty()) return;
     const auto most = static_cast<std::size_t>(*std::max_element(sizes().begin(), sizes().end()));
     if (global_control::active_value(global_control::max_allowed_parallelism) >= most) return;
@@ -64,17 +64,17 @@ class WorkerLimit {
   }
 };
 
-/// What a thread is doing for us.
+/// State of a thread within the library's loops.
 struct Place {
-  ThreadScope::Team* team = nullptr;  // whose loops these are; none: where the thread happens to be
-  bool inside = false;                // in a body, and hence in the arena already
+  ThreadScope::Team* team = nullptr;  // scope of the loops; null: the current arena
+  bool inside = false;                // in a loop body: already in the arena
   bool branch = false;                // in a branch of parallel_invoke
 };
 thread_local Place place;
 
 }  // namespace
 
-/// The threads of a scope.
+/// Threads of a scope.
 struct ThreadScope::Team {
   explicit Team(int count) : threads(count), arena(count) {
     if (threads > tbb::info::default_concurrency()) WorkerLimit::lift(threads);
@@ -90,12 +90,12 @@ struct ThreadScope::Team {
 
   int threads;
   tbb::task_arena arena;  // starts with the first loop
-  Place outer;            // of the thread that opened the scope
+  Place outer;            // state of the thread that opened the scope
 };
 
 namespace {
 
-/// Holds for the time of a body.
+/// Sets the thread's state during a body.
 class At {
  public:
   explicit At(const Place& here) : before_(std::exchange(place, here)) {}
@@ -107,8 +107,8 @@ class At {
   Place before_;
 };
 
-/// Belongs to one loop alone: what stops a loop around it does not leave it half done. Keeps the floating-point
-/// settings of the thread that makes it, for all who work on the loop.
+/// Belongs to one loop only, so that stopping an enclosing loop does not leave it incomplete. Passes the floating-point
+/// settings of the thread that makes it to all threads of the loop.
 class Context : public tbb::task_group_context {
  public:
   Context() : task_group_context(task_group_context::isolated, task_group_context::fp_settings) {}
@@ -117,15 +117,15 @@ class Context : public tbb::task_group_context {
 /// Calls work(context) in the arena of the thread's scope.
 template <class Work>
 void enter(const Place& here, const Work& work) {
-  Context context;  // before the thread enters the arena, which has settings of its own
+  Context context;  // constructed before the thread enters the arena, which has its own settings
   const auto start = [&] { work(context); };
   if (here.team != nullptr && !here.inside)
-    here.team->arena.execute(start);  // where no other work waits that the thread could be given
+    here.team->arena.execute(start);  // no other work waits in this arena, so the thread cannot pick up any
   else
     tbb::this_task_arena::isolate(start);
 }
 
-/// The same for work that starts its oneTBB loops without a context.
+/// Same, for work that starts its oneTBB loops without a context.
 template <class Work>
 void enter_as_task(const Work& work) {
   const Place here = place;
@@ -170,13 +170,13 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
     }
     return;
   }
-  const Progress* const progress = heard_progress();
+  const Progress* const progress = observed_progress();
   enter(here, [&](tbb::task_group_context& context) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(begin, end, grain),
         [&](const tbb::blocked_range<std::size_t>& r) {
           const At at({here.team, true});
-          const ListenAs caller(progress);
+          const ObserveAs caller(progress);
           body(r.begin(), r.end());
         },
         tbb::simple_partitioner(), context);
@@ -191,17 +191,17 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
     b();
     return;
   }
-  const Progress* const progress = detail::heard_progress();
+  const Progress* const progress = detail::observed_progress();
   const auto branch = [&](const std::function<void()>& work) {
     return [&] {
       const At at({here.team, true, true});
-      const detail::ListenAs caller(progress);
+      const detail::ObserveAs caller(progress);
       work();
     };
   };
   const auto start = [&](tbb::task_group_context& context) { tbb::parallel_invoke(branch(a), branch(b), context); };
   if (!here.branch) return enter(here, start);
-  // A whole recursion is one loop: only so can a thread that waits for one branch help with the others.
+  // A whole recursion is one loop: only then can a thread that waits for one branch help with others.
   Context context;
   start(context);
 }

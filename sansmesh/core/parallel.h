@@ -1,14 +1,14 @@
-// The only door to threads. Every loop here gives the same result for any number of threads: iterations are
+// Parallel loops: the only access to threads. Results do not depend on the number of threads: iterations are
 // independent, and reductions combine in index order.
 //
-// What all loops promise:
-// - A loop has either run all its iterations or throws: the first exception out of a body ends it, also if another
-//   body's exception, or a host's cancellation, stops the loop around it.
-// - Bodies may start loops themselves. A thread that waits for the end of a loop works on nothing but that loop
-//   meanwhile, never on iterations of the loop around it or on a host's own tasks: so it may hold a lock, and what is
-//   `thread_local` stays as the body left it. (The recursion of parallel_invoke is one loop.)
+// Guarantees of all loops:
+// - A loop runs all its iterations or throws. The first exception of a body ends it, even if an exception of another
+//   body, or a host's cancellation, stops the enclosing loop.
+// - Bodies may start loops. A thread that waits for the end of a loop works only on that loop meanwhile, never on
+//   iterations of the enclosing loop or on a host's tasks. It may therefore hold a lock, and `thread_local` variables
+//   keep their values. (The recursion of parallel_invoke counts as one loop.)
 // - Bodies compute with the floating-point settings of the thread that started the loop.
-// - Nothing of the process is changed: see ThreadScope.
+// - Process-wide settings stay unchanged: see ThreadScope.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
                      const std::function<void(std::size_t, std::size_t)>& body);
 }
 
-/// Calls body(first, last) on disjoint ranges that cover [begin, end), each at most `grain` long (1 or more).
-/// The cut into ranges may depend on the thread count: body must not let it show in its results.
+/// Calls body(first, last) on disjoint ranges that cover [begin, end), each of at most `grain` (>= 1) indices. The
+/// division into ranges may depend on the number of threads; results must not depend on it.
 template <class Body>
 void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body&& body) {
   if (begin >= end) return;
@@ -42,12 +42,12 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
   });
 }
 
-/// Cuts [0, n) into chunks of exactly `chunk` (the last may be shorter), maps each to a value by map(first, last) and
-/// combines the values in chunk order: deterministic floating-point reductions.
+/// Deterministic reduction: divides [0, n) into chunks of exactly `chunk` indices (the last may be shorter), maps each
+/// by map(first, last) and combines the values in chunk order.
 template <class T, class Map, class Combine>
 T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Combine&& combine) {
   const std::size_t chunks = (n + chunk - 1) / chunk;
-  struct Part {  // one object per chunk, whatever T: bits of std::vector<bool> share their words
+  struct Part {  // One object per chunk: bits of std::vector<bool> share words.
     T value;
   };
   std::vector<Part> parts(chunks, Part{init});
@@ -60,11 +60,11 @@ T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Co
   return result;
 }
 
-/// Runs both, possibly at the same time. For recursion, too: a branch that waits for its own branches may be given
-/// other branches of the same recursion, so it must not hold a lock meanwhile.
+/// Runs both, possibly concurrently; also for recursion. A branch that waits for its own branches may execute other
+/// branches of the same recursion, so it must not hold a lock meanwhile.
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
 
-/// Sorts by operator< in parallel; equal elements keep no particular order, so keys must be unique for determinism.
+/// Sorts by operator< in parallel. The order of equal elements is unspecified, so keys must be unique for determinism.
 void parallel_sort(std::vector<std::uint64_t>& values);
 struct KeyIndex {
   std::uint64_t key;
@@ -75,7 +75,7 @@ struct KeyIndex {
 };
 void parallel_sort(std::vector<KeyIndex>& values);
 
-/// Calls work(), which runs loops of another library's on oneTBB: they use the threads that a loop started here would.
+/// Calls work(), which runs oneTBB loops of another library, on the threads that a loop started here would use.
 void lend_threads(const std::function<void()>& work);
 
 }  // namespace sansmesh::inline v1

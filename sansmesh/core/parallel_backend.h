@@ -1,5 +1,5 @@
-// What the two implementations of parallel.h share, and which of them is compiled: parallel.cpp on oneTBB, or
-// parallel_watched.cpp in builds with the thread sanitizer.
+// Common parts of the two implementations of parallel.h, and the choice between them: parallel.cpp uses oneTBB,
+// parallel_watched.cpp serves builds with the thread sanitizer.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Throws ArgumentError unless `threads` is from 0 to `most`.
+/// Throws ArgumentError unless 0 <= threads <= most.
 inline void check_thread_count(int threads, int most) {
   if (threads < 0 || threads > most)
     throw ArgumentError("threads: " + std::to_string(threads) + " is not a number from 0 to " + std::to_string(most));

@@ -1,8 +1,7 @@
-// The loops of parallel.h in builds with the thread sanitizer, on threads of the standard library. oneTBB is not built
-// with the sanitizer, which would take what it does not see for races; and to silence whatever has oneTBB on its stack
-// would silence every race of our own. Here it sees all, and is shown as much as can be: every thread has chunks of its
-// own, whichever comes first, so that neighbours are always on different threads, and nothing but its start and its end
-// orders what two threads do.
+// Parallel loops in builds with the thread sanitizer, on threads of the standard library. oneTBB is not built with the
+// sanitizer, which would report its synchronisation as races; suppressing all stacks with oneTBB frames would suppress
+// every race of the library. Here the sanitizer sees everything. To expose races, neighbouring chunks always run on
+// different threads, and only the start and the end of a thread order its work.
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/parallel_backend.h"
 #if SANSMESH_WATCHED_THREADS
@@ -22,14 +21,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Without a scope: more than there are cores, perhaps, for the sake of what can be seen.
+/// Threads without a scope; may exceed the number of cores, so that races show.
 constexpr int kThreads = 4;
-/// Loops in loops in loops run as plain ones: threads would come to be without number.
+/// Deeper nested loops run sequentially, which bounds the number of threads.
 constexpr int kDeepest = 2;
 
 struct Place {
   int threads = kThreads;
-  int depth = 0;  // of loops around
+  int depth = 0;  // number of enclosing loops
 };
 thread_local Place place;
 
@@ -37,7 +36,7 @@ thread_local Place place;
 template <class Work>
 void run(std::size_t count, const Work& work) {
   const Place here = place;
-  const Progress* const progress = detail::heard_progress();
+  const Progress* const progress = detail::observed_progress();
   const auto threads = here.depth < kDeepest ? std::min(count, static_cast<std::size_t>(here.threads)) : 1;
   if (threads <= 1) {
     for (std::size_t c = 0; c < count; ++c) {
@@ -53,7 +52,7 @@ void run(std::size_t count, const Work& work) {
     const Place before = std::exchange(place, {here.threads, here.depth + 1});
     try {
       for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) {
-        const detail::ListenAs caller(progress);
+        const detail::ObserveAs caller(progress);
         work(c);
       }
     } catch (...) {

@@ -1,7 +1,6 @@
-// Arithmetic whose every bit is the same on every instruction set. Highway's own multiply-add rounds once or twice,
-// whatever the machine can do, and its reciprocals are approximations that differ between makers of processors: kernels
-// take these instead. (Sums over lanes must not depend on how many a vector has; that is for the kernels to see to.)
-// Included once for each instruction set.
+// Arithmetic with bit-identical results on every instruction set. Highway's multiply-add rounds once or twice depending
+// on the processor, and its reciprocals are approximations that differ between vendors, so kernels use these functions
+// instead. (Kernels must also keep sums independent of the number of lanes.) Included once per instruction set.
 #if defined(SANSMESH_CORE_PORTABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_CORE_PORTABLE_INL_H_
 #undef SANSMESH_CORE_PORTABLE_INL_H_
@@ -19,11 +18,11 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::portable {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-namespace pn = portable::HWY_NAMESPACE;  // without it the compiler finds Highway's functions of the same names
+namespace pn = portable::HWY_NAMESPACE;  // Otherwise the compiler finds Highway's functions of the same names.
 
 #if !HWY_NATIVE_FMA
 
-/// a b + c one lane after another; rounded once by the standard library.
+/// a b + c lane by lane; the standard library rounds once.
 template <class V>
 HWY_NOINLINE V MulAddLanes(const V& a, const V& b, const V& c) {
   const hn::DFromV<V> d;
@@ -35,15 +34,16 @@ HWY_NOINLINE V MulAddLanes(const V& a, const V& b, const V& c) {
 
 #if HWY_ARCH_X86 && HWY_TARGET < HWY_EMU128
 
-/// a b + c in double precision, where the product is exact. Rounding the sum to double and then to float would be once
-/// too often only where the first ends halfway between two floats, or among the denormal ones: `doubtful` then.
+/// a b + c in double precision, where the product is exact. Rounding the sum first to double and then to float differs
+/// from a single rounding only where the double is halfway between two floats, or for denormal floats: then `doubtful`
+/// is set.
 template <class V, class D = hn::DFromV<V>>
 HWY_INLINE hn::Vec<D> MulAddHalf(const V& a, const V& b, const V& c, bool& doubtful) {
   const D d;
   const hn::RepartitionToWide<hn::Twice<D>> wide;
   const hn::Repartition<std::uint32_t, decltype(wide)> words;
   const auto sum = hn::Add(hn::Mul(hn::PromoteTo(wide, a), hn::PromoteTo(wide, b)), hn::PromoteTo(wide, c));
-  // Below the 24 bits of a float stand 29, all in the lower word.
+  // A double has 29 bits below the 24 of a float, all in the lower word.
   const auto rest = hn::And(hn::BitCast(words, sum), hn::Set(words, 0x1fffffffu));
   const auto size = hn::Abs(sum), zero = hn::Zero(wide);
   const auto tiny = hn::And(hn::Gt(size, zero), hn::Lt(size, hn::Set(wide, 0x1p-125)));
@@ -51,7 +51,7 @@ HWY_INLINE hn::Vec<D> MulAddHalf(const V& a, const V& b, const V& c, bool& doubt
   return hn::DemoteTo(d, sum);
 }
 
-/// a b + c, rounded once. Called, not inlined: kernels would take about three times as long to compile.
+/// a b + c, rounded once. Not inlined: kernels would take about three times as long to compile.
 template <class V>
 HWY_NOINLINE V MulAdd(const V& a, const V& b, const V& c) {
   const hn::DFromV<V> d;
@@ -103,13 +103,13 @@ HWY_INLINE V MulSub(const V& a, const V& b, const V& c) {
 
 #endif
 
-/// 1/√x to a relative error of 9e-8, for normal numbers x > 0.
+/// 1/√x for normal numbers x > 0; relative error 9e-8.
 template <class V>
 HWY_INLINE V ReciprocalSqrt(const V& x) {
   const hn::DFromV<V> d;
   const hn::RebindToSigned<decltype(d)> di;
-  // Half the exponent and the opposite sign of it, by shifting the bits, is good to some percent; a step of Newton's
-  // with constants that split its error evenly makes that 6.5e-4, one of Halley's (5/2 e³) as good as floats are.
+  // Halving and negating the exponent by a bit shift gives an error of some percent. A Newton step with balanced
+  // constants reduces it to 6.5e-4, and a Halley step (5/2 e³) to float precision.
   const V seed = hn::BitCast(d, hn::Sub(hn::Set(di, 0x5f600000), hn::ShiftRight<1>(hn::BitCast(di, x))));
   const V first =
       hn::Mul(hn::Mul(hn::Set(d, 0.248881566f), seed), pn::NegMulAdd(hn::Mul(x, seed), seed, hn::Set(d, 4.77852876f)));
@@ -117,18 +117,18 @@ HWY_INLINE V ReciprocalSqrt(const V& x) {
   return pn::MulAdd(hn::Mul(first, left), pn::MulAdd(left, hn::Set(d, 0.375f), hn::Set(d, 0.5f)), first);
 }
 
-/// eˣ to a relative error of 8e-8 for x <= 88; 0 below −87.
+/// eˣ for x <= 88; relative error 8e-8; 0 below −87.
 template <class V>
 HWY_INLINE V Exp(const V& x) {
   const hn::DFromV<V> d;
   const hn::RebindToSigned<decltype(d)> di;
   const V least = hn::Set(d, -87.0f), low = hn::Max(x, least);
-  // x = n ln 2 + r with |r| <= ln 2 / 2: adding 3 · 2²² rounds to whole numbers and leaves n in the lowest bits.
+  // x = n ln 2 + r with |r| <= ln 2 / 2: adding 3 · 2²² rounds to integers and leaves n in the lowest bits.
   const V shift = hn::Set(d, 12582912.0f);
   const V shifted = pn::MulAdd(low, hn::Set(d, 1.44269504f), shift);
   const V n = hn::Sub(shifted, shift);
   const V r = pn::MulAdd(n, hn::Set(d, 1.90465421e-9f), pn::NegMulAdd(n, hn::Set(d, 0.693147182f), low));
-  // Taylor's polynomial: its rest, r⁸/8!, is below 6e-9.
+  // Taylor polynomial; its remainder r⁸/8! is below 6e-9.
   V sum = hn::Set(d, 1.0f / 5040);
   for (const float term : {1.0f / 720, 1.0f / 120, 1.0f / 24, 1.0f / 6, 1.0f / 2, 1.0f, 1.0f})
     sum = pn::MulAdd(sum, r, hn::Set(d, term));

@@ -17,7 +17,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kTick = 100;  // milliseconds of a wait between two looks for a cancellation
+constexpr int kTick = 100;  // milliseconds between two checks for cancellation
 constexpr std::size_t kBlock = std::size_t{1} << 24;
 constexpr std::size_t kMostTextBytes = std::size_t{1} << 28;
 
@@ -36,7 +36,7 @@ std::string file_to_open(const std::string& name) {
 }
 
 int open_to_read(const std::string& file) {
-  // Without O_NONBLOCK a named pipe is not even open before somebody writes to it.
+  // Without O_NONBLOCK, opening a named pipe blocks until a writer opens it.
   const int fd = ::open(file_to_open(file).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd >= 0) return fd;
   if (errno == ENOENT || errno == ENOTDIR) throw FileError(file, "no such file");
@@ -55,8 +55,8 @@ void wait_for(int fd, short events) {
 std::vector<char> read_to_end(const std::string& file, int fd, std::size_t most) {
   std::vector<char> bytes;
   std::size_t used = 0;
-  // Of a pipe that nobody has written to yet, read() would say that it is at its end; poll() knows better. But of one
-  // whose writers had gone when it was opened, poll() says nothing once it is empty.
+  // For a pipe without a writer yet, read() reports its end, but poll() waits. If all writers had closed before the
+  // pipe was opened, poll() never reports an end once it is empty.
   bool waits = true;
   for (;;) {
     check_cancelled();

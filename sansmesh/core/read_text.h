@@ -1,4 +1,4 @@
-// Texts, pipes and waits: whatever is read without a map of memory.
+// Reads text files and pipes without memory mapping.
 #pragma once
 
 #include <string>
@@ -7,27 +7,27 @@
 
 namespace sansmesh::inline v1 {
 
-/// The names of standard input and output; with an ending behind them, "/dev/stdout.ply", which says the format.
+/// Names of standard input and output. A suffix gives the format: "/dev/stdout.ply".
 inline constexpr std::string_view kStandardInput = "/dev/stdin", kStandardOutput = "/dev/stdout";
 
-/// All of a small file (a script, handles, a transfer function). Throws FileError where it is missing, a folder, a
+/// Reads a whole small file (a script, handles, a transfer function). Throws FileError if it is missing, a folder, a
 /// device, unreadable or larger than 256 MiB.
 std::string read_text(const std::string& file);
 
 namespace detail {
 
-/// The file that is opened under a name: /dev/stdin of "/dev/stdin.csv" and /dev/stdout of "/dev/stdout.ply", in which
-/// the ending says the format. Other names are their files'.
+/// Returns the file to open for a name: /dev/stdin for "/dev/stdin.csv", /dev/stdout for "/dev/stdout.ply", whose
+/// suffix gives the format. Returns other names unchanged.
 std::string file_to_open(const std::string& name);
 
-/// Opens a file to read it, without waiting for the writer of a pipe. Throws FileError.
+/// Opens a file for reading without waiting for the writer of a pipe. Throws FileError.
 int open_to_read(const std::string& file);
 
-/// All that comes out of a descriptor of open_to_read until its end; waits for the writers of a pipe, and ends with
-/// Cancelled as CancelScope says. Throws FileError beyond `most` bytes.
+/// Reads a descriptor of open_to_read to its end and waits for writers of a pipe; a CancelScope can end it with
+/// Cancelled. Throws FileError beyond `most` bytes.
 std::vector<char> read_to_end(const std::string& file, int fd, std::size_t most);
 
-/// Waits until the descriptor is ready for `events` of poll(); Cancelled as CancelScope says.
+/// Waits until the descriptor is ready for `events` of poll(); a CancelScope can end it with Cancelled.
 void wait_for(int fd, short events);
 
 /// Closes a descriptor at the end of a scope.

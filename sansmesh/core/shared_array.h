@@ -1,4 +1,4 @@
-// Arrays that never change, shared instead of copied: owned in memory, or a view into a mapped file.
+// Shared immutable arrays, either owned or views into a mapped file.
 #pragma once
 
 #include <cstddef>
@@ -9,18 +9,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// A constant array of T that keeps alive what it lies in. Copies share; an edit makes a new one.
+/// Constant array of T that keeps its memory alive. Copies share the memory.
 template <class T>
 class SharedArray {
  public:
   SharedArray() = default;
-  /// Takes the values over.
-  SharedArray(std::vector<T> values) {  // NOLINT(google-explicit-constructor): an array is what a vector becomes
+  /// Takes ownership of the values.
+  SharedArray(std::vector<T> values) {  // NOLINT(google-explicit-constructor): a vector converts to an array
     auto owner = std::make_shared<const std::vector<T>>(std::move(values));
     view_ = *owner;
     owner_ = std::move(owner);
   }
-  /// A view of memory that stays as it is as long as `owner` lives.
+  /// View of memory that stays unchanged as long as `owner` lives.
   SharedArray(std::span<const T> view, std::shared_ptr<const void> owner) : owner_(std::move(owner)), view_(view) {}
 
   std::span<const T> view() const { return view_; }
@@ -30,7 +30,7 @@ class SharedArray {
   const T& operator[](std::size_t i) const { return view_[i]; }
   auto begin() const { return view_.begin(); }
   auto end() const { return view_.end(); }
-  /// A copy to change.
+  /// Mutable copy of the values.
   std::vector<T> copy() const { return {view_.begin(), view_.end()}; }
 
  private:

@@ -14,7 +14,7 @@ std::string plain(const std::string& word) {
   return text;
 }
 
-/// Least number of letters to leave out, add or replace, or of neighbours to exchange.
+/// Least number of letters to omit, insert or replace, or of neighbours to swap (edit distance).
 std::size_t typing_errors(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, last, row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -29,17 +29,17 @@ std::size_t typing_errors(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
-/// Dashes in front, which all options have, make no words alike.
+/// Leading dashes, common to all options, do not count as similarity.
 std::string without_dashes(const std::string& word) {
   return word.substr(std::min(word.find_first_not_of('-'), word.size()));
 }
 
 }  // namespace
 
-int unlikeness(const std::string& mistyped, const std::string& known) {
+int word_distance(const std::string& mistyped, const std::string& known) {
   const std::string a = without_dashes(plain(mistyped)), b = without_dashes(plain(known));
   if (a.empty() || b.empty()) return -1;
-  if (a.size() == 1 && mistyped[0] == '-' && a[0] == b[0]) return 4;  // -v
+  if (a.size() == 1 && mistyped[0] == '-' && a[0] == b[0]) return 4;  // a short option: -v
   if (a == b) return 0;
   const std::size_t errors = typing_errors(a, b), shorter = std::min(a.size(), b.size());
   if (errors <= (shorter <= 4 ? 1U : shorter <= 7 ? 2U : 3U) && errors < shorter) return static_cast<int>(errors);
@@ -60,11 +60,11 @@ std::string joined_by_or(const std::vector<std::string>& words) {
 std::vector<std::string> similar_words(const std::string& mistyped, const std::vector<std::string>& known) {
   std::vector<std::pair<int, std::string>> found;
   for (const std::string& word : known)
-    if (const int distance = unlikeness(mistyped, word); distance >= 0) found.emplace_back(distance, word);
+    if (const int distance = word_distance(mistyped, word); distance >= 0) found.emplace_back(distance, word);
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> words;
   for (const auto& [distance, word] : found) {
-    // Beside one that is a letter or two off, what only begins alike is no help.
+    // Prefix matches do not help beside a word that is only one or two letters off.
     if (words.size() == 3 || (found[0].first < 4 && distance > found[0].first + 1)) break;
     if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
   }

@@ -1,4 +1,4 @@
-// Known words that a mistyped one looks like, for errors that help.
+// Finds known words similar to a mistyped one, for error messages.
 #pragma once
 
 #include <string>
@@ -6,18 +6,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// How far a known word is from what was typed: 0 if they differ in capitals and underscores alone; −1 if nobody would
-/// take one for the other.
-int unlikeness(const std::string& mistyped, const std::string& known);
+/// Distance between a known word and the typed one: 0 if they differ only in capitals and underscores, −1 if they are
+/// not similar.
+int word_distance(const std::string& mistyped, const std::string& known);
 
-/// Those of the known words that a mistyped one looks like, best first, three at most: a few letters left out, added,
-/// exchanged or wrong, or the beginning of a word. Capitals and underscores do not count.
+/// Known words similar to a mistyped one, best first, at most three: a few letters omitted, inserted, swapped or
+/// replaced, or a prefix. Ignores capitals and underscores.
 std::vector<std::string> similar_words(const std::string& mistyped, const std::vector<std::string>& known);
 
 /// "a, b or c".
 std::string joined_by_or(const std::vector<std::string>& words);
 
-/// " (did you mean a or b?)", or nothing.
+/// Returns " (did you mean a or b?)", or an empty text.
 std::string did_you_mean(const std::string& mistyped, const std::vector<std::string>& known);
 
 }  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// With path halving. The root of a set is its least member, so results do not depend on the order of joins.
+/// Uses path halving. The root of a set is its least member, so results do not depend on the order of joins.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -18,7 +18,7 @@ class UnionFind {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// Returns whether they were apart.
+  /// Returns whether the sets were disjoint.
   bool join(std::uint32_t a, std::uint32_t b) {
     a = find(a), b = find(b);
     if (a == b) return false;

@@ -8,8 +8,8 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/error.h"
-#include "sansmesh/field/similarity.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -203,7 +203,6 @@ Solid rotate(const Solid& a, const Vec3& axis, double degrees, const Vec3& cente
   const double c = exact(std::cos(angle)), s = exact(std::sin(angle));
   Similarity map;
   for (Vec3& e : map.columns) e = c * e + s * cross(u, e) + (1 - c) * dot(u, e) * u;
-  map.turned = true;
   map.translation = center - map.turn(center);
   return placed(a, map);
 }
@@ -222,7 +221,6 @@ Solid mirror(const Solid& a, const Vec3& normal, double offset) {
   require_finite("mirror", "offset", offset);
   Similarity map;
   for (Vec3& e : map.columns) e -= 2 * dot(n, e) * n;
-  map.turned = true;
   map.translation = 2 * offset * n;
   return placed(a, map);
 }

@@ -11,8 +11,8 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/field/piece_expression.h"
-#include "sansmesh/field/similarity.h"
 
 namespace sansmesh::inline v1 {
 

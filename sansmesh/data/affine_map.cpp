@@ -17,12 +17,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTransformed = 1 << 15;
-constexpr double kFlat = 1e-12;  // of the determinant of the directions
+constexpr double kFlat = 1e-12;  // bound for the determinant of the unit directions
 
 void check_invertible(const AffineMap& map) {
   if (!is_finite(map.x) || !is_finite(map.y) || !is_finite(map.z) || !is_finite(map.shift))
     throw ArgumentError("a transformation has numbers that are not finite");
-  // Of the directions alone, so that tiny scales and huge ones count as what they are.
+  // Uses only the directions, so that tiny and huge scales are valid.
   const auto direction = [](const Vec3& v) {
     const double most = std::fmax(std::fmax(std::abs(v.x), std::abs(v.y)), std::abs(v.z));
     return most > 0 ? normalized(v / most) : Vec3{};
@@ -37,9 +37,9 @@ void check_reach(const std::vector<Vec3f>& positions, const Vec3& origin, const 
   for (const Vec3f& p : positions) farthest = std::fmax(farthest, norm(Vec3(p)));
   const double length = norm(map.x) + norm(map.y) + norm(map.z);
   if (!(farthest * length + norm(map(origin)) <= kLargestCoordinate))
-    throw ArgumentError("a transformation throws positions beyond 1e18");
+    throw ArgumentError("a transformation moves positions beyond 1e18");
   if (farthest > kSmallestExtent && !(farthest * length > kSmallestExtent))
-    throw ArgumentError("a transformation shrinks everything to less than 1e-12");
+    throw ArgumentError("a transformation shrinks all lengths below 1e-12");
 }
 
 void turn_positions(std::vector<Vec3f>& positions, const AffineMap& map) {
@@ -47,7 +47,7 @@ void turn_positions(std::vector<Vec3f>& positions, const AffineMap& map) {
                [&](std::size_t i) { positions[i] = Vec3f(map.turn(Vec3(positions[i]))); });
 }
 
-/// Normals go by the inverse transposed; its sign is that of the determinant, so outside stays outside.
+/// Normals transform by the inverse transpose, with the sign of the determinant, so that the outside stays outside.
 void turn_normals(std::vector<Vec3f>& normals, const AffineMap& map) {
   const Matrix3 a{map.x, map.y, map.z};
   parallel_for(0, normals.size(), kTransformed, [&](std::size_t i) {

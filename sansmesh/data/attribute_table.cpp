@@ -28,7 +28,7 @@ constexpr T unknown() {
   return 0;
 }
 
-/// An array of as many components with the numbers that make(old numbers) returns.
+/// Array with the same name and number of components and the numbers make(old numbers).
 template <class Make>
 Attribute remade(const Attribute& a, Make&& make) {
   return {a.name, std::visit([&](const auto& v) -> AttributeValues { return make(v); }, a.values), a.components};

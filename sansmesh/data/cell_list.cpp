@@ -14,7 +14,7 @@ constexpr Edge kHexahedronEdges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5,
 constexpr CellFace kTetrahedronFaces[] = {{3, {0, 2, 1}}, {3, {0, 1, 3}}, {3, {1, 2, 3}}, {3, {2, 0, 3}}};
 constexpr CellFace kPyramidFaces[] = {
     {4, {0, 3, 2, 1}}, {3, {0, 1, 4}}, {3, {1, 2, 4}}, {3, {2, 3, 4}}, {3, {3, 0, 4}}};
-// VTK's wedge has its first triangle counter-clockwise seen from outside.
+// The first triangle of VTK's wedge is counter-clockwise seen from outside.
 constexpr CellFace kWedgeFaces[] = {
     {3, {0, 1, 2}}, {3, {3, 5, 4}}, {4, {0, 3, 4, 1}}, {4, {1, 4, 5, 2}}, {4, {2, 5, 3, 0}}};
 constexpr CellFace kHexahedronFaces[] = {{4, {0, 3, 2, 1}}, {4, {4, 5, 6, 7}}, {4, {0, 1, 5, 4}},

@@ -6,17 +6,23 @@
 #include <cmath>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/length_limits.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Corners of a lattice, or all points that are finite.
+/// Bounding box of a lattice, or of all finite points.
 Box3 box_of(const GridBlock& block) {
+  Box3 box = finite_bounds(block.points);
+  if (block.kind == GridKind::lattice) box.extend(lattice_box(block));
+  return box;
+}
+
+}  // namespace
+
+Box3 lattice_box(const GridBlock& block) {
   Box3 box;
-  for (const Vec3& p : block.points)
-    if (is_finite(p)) box.extend(p);
-  if (block.kind != GridKind::lattice) return box;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     Vec3 p = block.origin;
     for (std::size_t k = 0; k < 3; ++k)
@@ -26,8 +32,6 @@ Box3 box_of(const GridBlock& block) {
   }
   return box;
 }
-
-}  // namespace
 
 std::string out_of_limits(const GridData& data) {
   Box3 box;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMoved = 1 << 15;
 
-/// Nothing is added where there is nothing to add: zeros keep their signs.
+/// Skips additions of zero, so that negative zeros keep their sign.
 void from_input(std::vector<Vec3f>& positions, const Vec3& origin, const LocalFrame& frame) {
   if (origin == frame.origin) {
     parallel_for(0, positions.size(), kMoved,

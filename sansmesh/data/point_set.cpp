@@ -47,7 +47,7 @@ void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
   if (mask.size() != points.size())
     throw ArgumentError("remove_samples: a mask of " + std::to_string(mask.size()) + " entries for " +
                         std::to_string(points.size()) + " samples");
-  points.attributes.check_rows(points.size(), "samples");  // before anything is changed
+  points.attributes.check_rows(points.size(), "samples");  // checks precede all changes
   points.triangle_attributes.check_rows(points.triangles.size(), "triangles");
   const auto touched = [&](const auto& t) { return mask[t[0]] || mask[t[1]] || mask[t[2]]; };
   if (!points.triangle_attributes.empty()) {

@@ -1,4 +1,4 @@
-// A volume with a reconstruction of one of its arrays that needs no fit any more: what files of fitted volumes hold.
+// A volume with a fitted reconstruction of one array: the content of a file of a fitted volume.
 #pragma once
 
 #include <memory>
@@ -14,15 +14,15 @@ namespace sansmesh::inline v1 {
 
 struct FittedVolume {
   std::shared_ptr<const SampledVolume> volume;
-  std::vector<DatasetArray> arrays;         ///< that are kept, each one of `volume` (which may have more)
-  std::string array;                        ///< the one that was reconstructed, one of them
-  ReconstructionOptions options;            ///< as they were asked for; with a method
-  ReconstructionOptions chosen;             ///< with what was chosen from the data
-  ReconstructionCoefficients coefficients;  ///< empty for methods that have none
+  std::vector<DatasetArray> arrays;         ///< arrays to keep; each is in `volume` (which may have more)
+  std::string array;                        ///< name of the reconstructed array, one of `arrays`
+  ReconstructionOptions options;            ///< options as requested; with a method
+  ReconstructionOptions chosen;             ///< options with the choices made from the data
+  ReconstructionCoefficients coefficients;  ///< empty for methods without coefficients
 
-  std::string source;              ///< format of the file that it was made of: "VTK XML unstructured grid"
-  std::optional<double> time;      ///< of the step
-  std::vector<std::string> notes;  ///< what a user should know of that file
+  std::string source;              ///< format of the source file: "VTK XML unstructured grid"
+  std::optional<double> time;      ///< time of the step
+  std::vector<std::string> notes;  ///< remarks about the source file
 };
 
 }  // namespace sansmesh::inline v1

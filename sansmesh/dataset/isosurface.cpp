@@ -7,9 +7,10 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dataset/level_scale.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -21,15 +22,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Places whose slopes the scale of the values is taken from, at most.
+/// Largest number of points that determine the scale of the values.
 constexpr std::size_t kSlopes = 4096;
 /// Edge of the blocks in spacings.
 constexpr double kBlock = 1;
-/// More blocks than this are not made: they are larger then, and a warning says so.
+/// Largest number of blocks; otherwise blocks are enlarged, with a warning.
 constexpr std::size_t kMostIsoBlocks = 6'000'000;
 /// Default mesh error in spacings.
 constexpr double kIsoError = 0.02;
-/// The cube of blocks is larger than the volume by so many blocks on each side: the surface does not reach its faces,
+/// Margin of the cube of blocks around the volume, in blocks on each side: the surface must not reach the cube's faces,
 /// where it would be closed.
 constexpr double kAroundVolume = 3;
 constexpr double kRounding = 1 + 1e-9;
@@ -136,25 +137,14 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
       domain_(*volume_, frame_),
       ranges_(*volume_, sample_value, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
-  std::vector<Vec3> places = ranges_.places_of(value);
+  const std::vector<Vec3> places = ranges_.places_of(value);
   if (places.empty()) {
-    const ValueRange all = ranges_.around({}, 2);
-    const double beyond = ValueRanges::kBeyond * (all.most - all.least) / (1 + 2 * ValueRanges::kBeyond);
+    const ValueRange all = ranges_.of_samples();
     throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
-                                all.least + beyond, all.most - beyond));
+                                all.least, all.most));
   }
-  const std::size_t stride = 1 + places.size() / kSlopes;
-  std::vector<Vec3> some;
-  for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(frame_.to_input(places[i]));
-  std::vector<Vec3> gradients(some.size());
-  field_->evaluate(some, {{}, gradients});
-  std::vector<double> slopes;
-  for (const Vec3& g : gradients)
-    if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
-  if (slopes.empty()) return;
-  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-  std::nth_element(slopes.begin(), middle, slopes.end());
-  slope_ = *middle * frame_.unit;
+  std::vector<double> slopes = slopes_at(*field_, places, frame_, kSlopes);
+  if (!slopes.empty()) slope_ = median(slopes) * frame_.unit;
 }
 
 std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
@@ -176,12 +166,8 @@ void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> v
 }
 
 void Isosurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  parallel_for(0, x.size(), 512, [&](std::size_t i) {
-    const ValueRange r = ranges_.around(x[i], radius);
-    // Outside of all cells nothing is known but that there is no surface.
-    found[i] = r.least > r.most ? ValueRange{1e-9, std::numeric_limits<double>::infinity()}
-                                : ValueRange{(value_ - r.most) / slope_, (value_ - r.least) / slope_};
-  });
+  parallel_for(0, x.size(), 512,
+               [&](std::size_t i) { found[i] = level_range(ranges_.around(x[i], radius), value_, slope_); });
 }
 
 void Isosurface::may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const {
@@ -197,13 +183,12 @@ void Isosurface::spacing(std::span<const Vec3> x, std::span<double> found) const
 
 namespace {
 
-/// Blocks as small as the samples are apart (times `scale`) wherever the surface may be. Nothing where that takes too
-/// many.
+/// Blocks as small as the sample distance (times `scale`) near the surface. Empty if they are too many.
 std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<double> cell, double scale,
                                     Progress& progress) {
   const Box3 box = surface.bounds();
   const Vec3 size = box.size();
-  // A power of two times the blocks that are wanted, so that halving leads to these and not to smaller ones.
+  // A power of two times the block size, so that repeated halving reaches exactly this size.
   const double finest = scale * (cell ? *cell : kBlock * surface.median_spacing());
   const double least = std::max({size.x, size.y, size.z}) + 2 * kAroundVolume * finest;
   const double edge = finest * std::exp2(std::ceil(std::log2(least / finest)));
@@ -233,7 +218,7 @@ std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<dou
   return tree;
 }
 
-/// What is known of an isosurface as part of a solid.
+/// Properties of an isosurface as a part of a solid.
 class IsosurfaceKnowledge final : public csg::FieldKnowledge {
  public:
   explicit IsosurfaceKnowledge(const Isosurface& surface) : surface_(surface) {}
@@ -253,7 +238,7 @@ class IsosurfaceKnowledge final : public csg::FieldKnowledge {
   const Isosurface& surface_;
 };
 
-/// In the surface's own coordinates.
+/// The solid in the surface's local coordinates.
 Solid own_solid(const std::shared_ptr<const Isosurface>& surface) {
   const Solid within = csg::leaf(surface, std::make_shared<IsosurfaceKnowledge>(*surface));
   return csg::intersect(within, csg::leaf(std::shared_ptr<const ScalarField>(surface, &surface->domain())));
@@ -273,7 +258,7 @@ void measure_iso(const TriangleMesh& mesh, IsosurfaceReport& r) {
 const OptionSchema& IsosurfaceOptions::schema() {
   using O = IsosurfaceOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::closed>({.text = "Close the surface at the boundary of the volume, round what is above"}),
+      option<&O::closed>({.text = "Close the surface at the boundary of the volume, around larger values"}),
       option<&O::cell>({.text = "Edge of the smallest blocks",
                         .unit = "length",
                         .from_data = "the local spacing of the samples",
@@ -329,8 +314,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
     blocks = iso_blocks(surface, cell, scale, progress);
   }
   if (scale > 1)
-    r.warnings.push_back(
-        fmt::format("the surface is so large that blocks are {} times as wide as they should be", scale));
+    r.warnings.push_back(fmt::format("the surface is so large that blocks are {} times as wide as requested", scale));
   r.cell = frame.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
 
   MeshOptions meshing;

@@ -1,5 +1,4 @@
-// Surfaces on which a quantity of a volume has one value: as fields like those of implicit surfaces, as solids, as
-// meshes.
+// Isosurfaces of volumes as implicit surfaces, solids and meshes.
 #pragma once
 
 #include <cstddef>
@@ -27,18 +26,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// Where the volume is: negative inside, about the distance to its boundary (with the sign of the locator). In
-/// coordinates of its own.
+/// Signed distance function of the volume's domain, approximate: negative inside, with the sign of the locator. Uses
+/// local coordinates.
 class VolumeDomain : public ScalarField {
  public:
-  /// What is passed must outlive it.
+  /// The arguments must outlive it.
   VolumeDomain(const SampledVolume& volume, const LocalFrame& frame);
   ~VolumeDomain() override;
 
   Box3 bounds() const override { return bounds_; }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
-  /// 1 for those of x in the volume, 0 for the others: quicker than distances. Sizes must agree.
+  /// 1 for each x in the volume, 0 for the others; faster than distances. Sizes must agree.
   void locate(std::span<const Vec3> x, std::span<std::uint8_t> inside) const;
 
  private:
@@ -46,15 +45,15 @@ class VolumeDomain : public ScalarField {
   const SampledVolume& volume_;
   LocalFrame frame_;
   Box3 bounds_;
-  std::unique_ptr<const Boundary> boundary_;  ///< none of a lattice
+  std::unique_ptr<const Boundary> boundary_;  ///< null for a lattice
 };
 
-/// {f = value} as an implicit surface: negative where f is larger, in coordinates of its own (`place`), scaled so that
-/// its gradient has norm 1 about the surface (on the median).
+/// {f = value} as an implicit surface: negative where f is larger, in the local coordinates `frame`, scaled to a median
+/// gradient norm of 1 at the surface.
 class Isosurface : public ScalarField {
  public:
-  /// `field` has one component; `sample_value(i)` is that of sample i. Throws DataError where no cell of the volume
-  /// has the value between those of its samples, naming the range of the data.
+  /// `field` has one component; `sample_value(i)` is the value of sample i. Throws DataError that names the range of
+  /// the data if no cell of the volume has the value between those of its samples.
   Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,
              const std::function<double(std::size_t)>& sample_value, double value);
 
@@ -69,11 +68,11 @@ class Isosurface : public ScalarField {
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                           std::span<std::uint8_t> inside) const override;
-  /// From the samples around (ValueRanges).
+  /// Bounds by the samples around (ValueRanges).
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
-  /// Whether the surface may pass within `radius` of each of x (1; else 0): as ranges() would tell, but quicker.
+  /// Whether the surface may pass within `radius` of each x (1; else 0): the answer of ranges(), but faster.
   void may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const;
-  /// Distance between samples: on the median, and around x.
+  /// Distance between samples: median, and around x.
   double median_spacing() const { return frame_.from_input(volume_->facts.median_spacing); }
   void spacing(std::span<const Vec3> x, std::span<double> found) const;
 
@@ -88,12 +87,12 @@ class Isosurface : public ScalarField {
   ValueRanges ranges_;
 };
 
-/// The surface as a mesh in the input's coordinates: it ends at the volume's boundary unless it is to be closed. Vertex
-/// normals point to where the quantity is smaller. Throws DataError where nothing is found.
+/// The surface as a mesh in input coordinates. It ends at the volume's boundary unless the options close it. Vertex
+/// normals point to smaller values. Throws DataError if the surface is empty.
 TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions& options, Progress& progress,
                              IsosurfaceReport* report = nullptr);
 
-/// {f > value} as a solid in the input's coordinates, which ends at the volume's boundary.
+/// {f > value} as a solid in input coordinates, bounded by the volume's boundary.
 Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface);
 
 }  // namespace sansmesh::inline v1

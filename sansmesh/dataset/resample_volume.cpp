@@ -18,7 +18,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostSize = 4096, kMostAxis = 65536;
-/// Points asked for at a time.
+/// Points per batch.
 constexpr std::size_t kBatch = std::size_t{1} << 19;
 /// Points along an edge of a brick.
 constexpr std::size_t kTogether = 12;
@@ -68,7 +68,7 @@ struct OutsideWords {
   }
 };
 
-/// Results are floats. Throws DataError where finite numbers overflow, or all of them vanish.
+/// Results are floats. Throws DataError if finite numbers overflow or all of them underflow.
 void check_floats(const std::string& name, double largest) {
   constexpr double kMost = std::numeric_limits<float>::max(), kLeast = std::numeric_limits<float>::denorm_min();
   if (largest > kMost || (largest > 0 && largest < kLeast))
@@ -84,7 +84,7 @@ const OptionSchema& ResampleOptions::schema() {
       option<&O::size, CountWords>({.text = "Points along the longest side, or along x, y and z", .unit = "n [n n]"}),
       option<&O::box>({.text = "Only this box: x0,y0,z0,x1,y1,z1", .unit = "box", .from_data = "that of the volume"}),
       option<&O::gradients>({.text = "Also the gradients, as NAME_gradient (.vti)"}),
-      option<&O::outside, OutsideWords>({.text = "Values where the volume is not: a number, or nan", .unit = "value"}),
+      option<&O::outside, OutsideWords>({.text = "Values outside the volume: a number, or nan", .unit = "value"}),
   };
   static constexpr OptionSchema schema{rows};
   return schema;
@@ -92,7 +92,7 @@ const OptionSchema& ResampleOptions::schema() {
 
 void ResampleOptions::validate() const {
   validate_options(*this);
-  if (size.size() != 1 && size.size() != 3) throw ArgumentError("`size` is one number or three");
+  if (size.size() != 1 && size.size() != 3) throw ArgumentError("`size` must be one number or three");
   for (const std::size_t n : size)
     if (size.size() == 1 && (n < 2 || n > kMostSize))
       throw ArgumentError(fmt::format("`size` must lie in 2..{}, not be {}", kMostSize, n));
@@ -121,7 +121,7 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
   std::vector<std::uint8_t> inside(points);
 
   progress.begin("resample", points);
-  // In bricks: what is asked for together lies together in all three directions.
+  // Bricks: points of a batch are close together in all three directions.
   std::array<std::size_t, 3> bricks;
   for (std::size_t k = 0; k < 3; ++k) bricks[k] = (n[k] + kTogether - 1) / kTogether;
   const std::size_t all = bricks[0] * bricks[1] * bricks[2];

@@ -1,4 +1,4 @@
-// A field on a lattice: what programs that know nothing else can use.
+// Resamples a field on a lattice, for programs that read only these.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points at both ends of the box and between: arrays `name` (float) and `inside` (uint8: 1 in the volume). In
-/// batches, with progress. Throws DataError where values do not fit into floats.
+/// Points include both ends of the box. Arrays: `name` (float) and `inside` (uint8: 1 in the volume). Evaluates in
+/// batches, with progress. Throws DataError if values exceed the range of floats.
 GridBlock resample_volume(const VolumeField& field, const std::string& name, const ResampleOptions& options,
                           Progress& progress);
 

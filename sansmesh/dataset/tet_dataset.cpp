@@ -25,7 +25,7 @@ std::pair<double, double> measures_of(const Tet& t, const std::vector<Vec3>& x) 
   return {dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]])), longest};
 }
 
-/// Tetrahedra as they come, with the cell of each.
+/// Tetrahedra in order, with the cell of each.
 struct TetPieces {
   std::vector<Tet> tets;
   std::vector<std::uint32_t> cells;
@@ -53,7 +53,7 @@ void append_pieces(const GridBlock& block, std::uint32_t first_point, std::uint3
   }
 }
 
-/// Leaves out all but the first of those with the same corners; returns how many.
+/// Removes all but the first of tetrahedra with the same corners; returns the number removed.
 std::size_t drop_twins(TetPieces& p) {
   std::vector<Tet> sorted = p.tets;
   for (Tet& t : sorted) std::sort(t.begin(), t.end());
@@ -89,7 +89,7 @@ AttributeTable joined(const GridData& data, bool of_points, const std::vector<st
 }  // namespace
 
 std::uint32_t TetDataset::vertex(std::uint64_t number) const {
-  // Nearly always they stand in order.
+  // Numbers are consecutive in almost all files.
   const std::uint64_t guess = numbers.empty() || number < numbers[0] ? numbers.size() : number - numbers[0];
   if (guess < numbers.size() && numbers[guess] == number) return static_cast<std::uint32_t>(guess);
   const auto it = std::lower_bound(by_number.begin(), by_number.end(), number,
@@ -153,14 +153,14 @@ TetDataset tet_dataset(const GridData& data) {
   if (const std::size_t twins = drop_twins(pieces); twins > 0)
     result.notes.push_back(fmt::format("{} of the same corners as others left out", tets_in_words(twins)));
 
-  std::vector<std::uint32_t> place(points.size(), GridBlock::kNone), kept;
+  std::vector<std::uint32_t> new_index(points.size(), GridBlock::kNone), kept;
   for (const Tet& t : pieces.tets)
-    for (const std::uint32_t v : t) place[v] = 0;
+    for (const std::uint32_t v : t) new_index[v] = 0;
   const std::vector<std::uint64_t> numbers =
       point_rows.size() == 1 ? std::move(used.blocks[0].point_numbers) : std::vector<std::uint64_t>();
   for (std::size_t v = 0; v < points.size(); ++v) {
-    if (place[v] == GridBlock::kNone) continue;
-    place[v] = static_cast<std::uint32_t>(kept.size());
+    if (new_index[v] == GridBlock::kNone) continue;
+    new_index[v] = static_cast<std::uint32_t>(kept.size());
     kept.push_back(static_cast<std::uint32_t>(v));
     result.mesh.vertices.push_back(points[v]);
     result.numbers.push_back(numbers.empty() ? v : numbers[v]);
@@ -173,7 +173,7 @@ TetDataset tet_dataset(const GridData& data) {
     result.notes.push_back(
         fmt::format("{} without tetrahedra left out", counted(points.size() - kept.size(), "point")));
   for (Tet& t : pieces.tets)
-    for (std::uint32_t& v : t) v = place[v];
+    for (std::uint32_t& v : t) v = new_index[v];
   result.mesh.tets = std::move(pieces.tets);
   result.mesh.attributes = joined(used, true, point_rows).taken(kept);
   result.mesh.tet_attributes = joined(used, false, cell_rows).taken(pieces.cells);
@@ -183,7 +183,7 @@ TetDataset tet_dataset(const GridData& data) {
 TetDataset read_tets(const std::string& file) {
   try {
     VolumeReadOptions options;
-    options.fill.usual = false;  // arrays are carried along as they are
+    options.fill.usual = false;  // arrays keep their values
     return tet_dataset(read_volume(file, options));
   } catch (const DataError& error) {
     throw FileError(file, error.what());

@@ -1,4 +1,4 @@
-// Tetrahedra out of the files of volumes.
+// Tetrahedral meshes from volume files.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 namespace sansmesh::inline v1 {
 
 struct TetDataset {
-  TetMesh mesh;                          ///< all volumes positive, no vertex without a tetrahedron
-  std::vector<std::uint64_t> numbers;    ///< by which the file calls the vertices of `mesh`
-  std::vector<std::uint32_t> by_number;  ///< all vertices by ascending numbers
-  std::vector<std::string> notes;        ///< what was turned, cut or left out, one line each
+  TetMesh mesh;                          ///< all volumes positive, no unused vertex
+  std::vector<std::uint64_t> numbers;    ///< numbers of the vertices of `mesh` in the file
+  std::vector<std::uint32_t> by_number;  ///< all vertices by ascending number
+  std::vector<std::string> notes;        ///< changes to the cells, one line each
 
-  /// The vertex that the file calls so. Throws DataError where there is none, or no tetrahedron uses it.
+  /// The vertex with this number in the file. Throws DataError if it does not exist or no tetrahedron uses it.
   std::uint32_t vertex(std::uint64_t number) const;
 };
 
-/// The cells of all blocks as tetrahedra: hexahedra, wedges and pyramids are cut, inverted ones turned, those that are
-/// there twice or hidden left out, arrays of points and cells carried along. Of a single block vertices keep their
-/// numbers (GridBlock::point_numbers), of several they are counted from 0 through all blocks. Throws DataError where
-/// there are none, a position is not finite, or a tetrahedron has no volume (below 1e-12 of its longest edge's cube).
+/// The cells of all blocks as tetrahedra: hexahedra, wedges and pyramids are subdivided, inverted cells turned,
+/// duplicate and hidden ones removed; point and cell arrays are kept. Vertices of a single block keep their numbers
+/// (GridBlock::point_numbers); vertices of several blocks are numbered consecutively from 0. Throws DataError if there
+/// are no cells, a position is not finite, or a tetrahedron has no volume (below 1e-12 of its longest edge's cube).
 TetDataset tet_dataset(const GridData& data);
 
-/// The same of a file (read_volume). Throws FileError.
+/// Reads a file (read_volume) and converts its cells. Throws FileError.
 TetDataset read_tets(const std::string& file);
 
 }  // namespace sansmesh::inline v1

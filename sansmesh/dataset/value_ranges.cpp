@@ -17,9 +17,9 @@ namespace {
 
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 constexpr std::size_t kBrick = 2;  ///< cells of a lattice along each side of a group
-constexpr std::size_t kGroup = 4;  ///< cells of other grids a group
+constexpr std::size_t kGroup = 4;  ///< cells of other grids per group
 
-/// Rounded to float outwards.
+/// Converts a box to float, rounded outwards.
 Box3f outwards(const Box3& box) {
   Box3f out;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -29,7 +29,7 @@ Box3f outwards(const Box3& box) {
   return out;
 }
 
-/// Least and largest of some values, widened by what reconstructions go beyond them.
+/// Range of some values, widened by the overshoot of reconstructions.
 class Spread {
  public:
   void take(double v) {
@@ -47,7 +47,7 @@ class Spread {
   double least_ = std::numeric_limits<double>::infinity(), most_ = -least_;
 };
 
-/// Numbers 0 … n − 1 along the Morton curve through the places that they have.
+/// Indices 0 … n − 1 along the Morton curve through their positions.
 template <class At>
 std::vector<std::uint32_t> along_curve(std::size_t n, const Box3& box, At&& at) {
   const Vec3 size = box.size();
@@ -67,7 +67,7 @@ std::vector<std::uint32_t> along_curve(std::size_t n, const Box3& box, At&& at) 
   return order;
 }
 
-/// The largest finite value without its sign.
+/// The largest absolute finite value.
 double largest_size(std::size_t n, const std::function<double(std::size_t)>& value) {
   return parallel_reduce(
       n, 1 << 16, 0.0,
@@ -148,7 +148,7 @@ std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volu
           if (!volume.in_cells) spread.take(value(corner));
         }
         if (!volume.in_cells) continue;
-        // What is at a cell's corners comes from all cells around them.
+        // Values at a cell's corners depend on all cells around them.
         const std::uint32_t sample = volume.cell_sample[c];
         spread.take(value(sample));
         volume.star(sample, star);
@@ -231,6 +231,12 @@ ValueRange ValueRanges::around(const Vec3& x, double radius) const {
   };
   visit(visit, levels_.size() - 1, 0);
   return {range.least / scale_, range.most / scale_};
+}
+
+ValueRange ValueRanges::of_samples() const {
+  const ValueRange all = around({}, 2);
+  const double beyond = kBeyond * (all.most - all.least) / (1 + 2 * kBeyond);
+  return {all.least + beyond, all.most - beyond};
 }
 
 std::vector<Vec3> ValueRanges::places_of(double value) const {

@@ -1,4 +1,4 @@
-// Which values a volume's samples have around a place: where a surface of one value can be, and where it cannot.
+// Bounds of a volume's sample values in a ball, which locate its level sets.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,23 @@
 
 namespace sansmesh::inline v1 {
 
-/// Built once, then asked from any thread. Cells in groups of neighbours, under a tree that knows the least and the
-/// largest value of all samples below: reconstructions that are smoother than the samples' own cells go beyond these by
+/// Immutable after construction, safe from any thread. Groups of neighbouring cells under a tree whose nodes have the
+/// smallest and largest sample value below. Reconstructions smoother than linear interpolation exceed this range by
 /// less than `kBeyond` of the difference.
 class ValueRanges {
  public:
   static constexpr double kBeyond = 0.3;
 
-  /// value(i) of sample i. Places are asked for in the coordinates of `place`.
+  /// value(i) of sample i. Query points are in the coordinates of `frame`.
   ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value, const LocalFrame& frame);
 
-  /// Of the cells that the ball meets; {+infinity, −infinity} where it meets none.
+  /// Range of the cells that the ball meets; {+infinity, −infinity} if it meets none.
   ValueRange around(const Vec3& x, double radius) const;
-  /// Whether `value` is among those of a group of cells that the ball meets: quicker than around().
+  /// Approximate range of all samples.
+  ValueRange of_samples() const;
+  /// Whether `value` is in the range of a group of cells that the ball meets; faster than around().
   bool among(const Vec3& x, double radius, double value) const;
-  /// Centres of the groups of cells among whose values `value` is.
+  /// Centres of the groups of cells with `value` in their range.
   std::vector<Vec3> places_of(double value) const;
 
  private:
@@ -52,7 +54,7 @@ class ValueRanges {
                                       const LocalFrame& frame);
 
   std::vector<std::vector<Node>> levels_;
-  double scale_ = 1;  ///< of the values in the tree, which are floats
+  double scale_ = 1;  ///< factor of the values in the tree, which are floats
 };
 
 }  // namespace sansmesh::inline v1

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Adds a block's array to what is known of those of its name.
+/// Adds a block's array to the summary of the arrays of its name.
 void take_in(const Attribute& a, Association of, const std::vector<std::uint8_t>& hidden,
              std::vector<DatasetArray>& arrays) {
   const auto same = [&](const DatasetArray& d) { return d.name == a.name && d.of == of; };
@@ -40,7 +40,7 @@ void take_in(const Attribute& a, Association of, const std::vector<std::uint8_t>
   }
 }
 
-/// How well an array suits to be shown when nothing was chosen.
+/// Preference for an array as the default.
 int suits(const DatasetArray& a) {
   int points = 0;
   if (a.components == 1 && a.least[0] < a.most[0]) points += 8;
@@ -59,7 +59,7 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
   return names;
 }
 
-/// Tells whether a fitted volume was made with the given options. Options that are absent agree with any value.
+/// Whether a fitted volume was made with the given options. Absent options match any value.
 bool is_held(const FittedVolume& fitted, const std::string& array, const ReconstructionOptions& asked) {
   if (array != fitted.array || !asked.method) return array == fitted.array;
   const ReconstructionOptions& held = fitted.chosen;
@@ -178,7 +178,7 @@ std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array
   if (!fitted_ || !is_held(*fitted_, array, options))
     return reconstruct_volume(samples, array, options, progress, &report, &kept);
   kept = fitted_->coefficients;
-  // What was chosen goes with coefficients; without any the method chooses again, of the same data.
+  // Coefficients belong to the options chosen; without coefficients the method chooses again from the same data.
   return reconstruct_volume(samples, array, kept.empty() ? fitted_->options : fitted_->chosen, progress, &report,
                             &kept);
 }
@@ -187,14 +187,14 @@ FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOp
                                 Progress& progress, ReconstructionReport* report) {
   const DatasetArray chosen = this->array(array);
   ReconstructionReport own;
-  ReconstructionReport& told = report ? *report : own;
+  ReconstructionReport& r = report ? *report : own;
   FittedVolume result;
-  reconstruct(array, options, progress, told, result.coefficients);
+  reconstruct(array, options, progress, r, result.coefficients);
   result.volume = volume(array, progress);
   result.array = array;
   result.options = fitted_ && is_held(*fitted_, array, options) ? fitted_->options : options;
-  result.options.method = told.options.method;
-  result.chosen = told.options;
+  result.options.method = r.options.method;
+  result.chosen = r.options;
   for (const DatasetArray& a : arrays_)
     if (all ? a.of == chosen.of && result.volume->attributes.find(a.name) : a.name == array && a.of == chosen.of)
       result.arrays.push_back(a);

@@ -1,4 +1,4 @@
-// A volume as a user has it: some files, their arrays, and the fields that reconstructions make of these.
+// A volume as loaded: files, their arrays, and the reconstructed fields.
 #pragma once
 
 #include <array>
@@ -22,36 +22,37 @@ namespace sansmesh::inline v1 {
 class VolumeDataset {
  public:
   explicit VolumeDataset(GridData data);
-  /// Has the arrays that are kept; their order is the file's, the default is the one that was reconstructed.
+  /// Has the kept arrays in the order of the file; the default is the reconstructed one.
   explicit VolumeDataset(FittedVolume fitted);
 
   const std::vector<DatasetArray>& arrays() const { return arrays_; }
-  /// That of a fitted volume; else the first real array of one component that is not constant; else of one component,
-  /// else of several, and then of points rather than of cells. Throws DataError where there is no array at all.
+  /// For a fitted volume the reconstructed array. Otherwise the first of, by preference: real with one component and
+  /// not constant; one component; several components; point arrays before cell arrays. Throws DataError if there is no
+  /// array.
   const DatasetArray& default_array() const;
-  /// Of points, where there are two of that name. Throws ArgumentError naming those that there are.
+  /// The point array, if a cell array has the same name. Throws ArgumentError that names the available arrays.
   const DatasetArray& array(const std::string& name, const std::string& option = "array") const;
-  /// Throws ArgumentError, which names `option`, for names of no array and components that it has not.
+  /// Throws ArgumentError that names `option` for unknown arrays and components.
   ArrayChoice choose(const std::string& text, const std::string& option = "array") const;
 
-  /// Samples at points or in cells: assembled at the first call. Not safe from several threads. Throws DataError where
-  /// nothing can be made of the blocks.
+  /// Samples at points or in cells, assembled at the first call. Not thread-safe. Throws DataError if no samples result
+  /// from the blocks.
   std::shared_ptr<const SampledVolume> volume(Association of, Progress& progress);
-  /// Those that the array belongs to.
+  /// The samples of the array.
   std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
 
-  /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume. Without
-  /// a method it is the one that a fitted volume holds, or else suits the array (choose_reconstruction). Where that is
-  /// the reconstruction that a fitted volume holds (the same method and array, and whatever is set the same as what it
-  /// was made with), nothing is fitted, and the field is the same to the bit.
+  /// The reconstruction of an array, or of the selected part of it. Throws as reconstruct_volume. The default method is
+  /// that of a fitted volume's reconstruction, otherwise choose_reconstruction selects one. If the request matches the
+  /// fitted reconstruction (the same method and array, and equal values of all options set), there is no fit, and the
+  /// field is bit-identical.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
                                            Progress& progress, ReconstructionReport* report = nullptr);
 
-  /// Reconstructs an array with all its components, to be kept in a file: that array alone, or all that belong to the
-  /// same samples. Throws as reconstruct_volume.
+  /// Reconstructs an array with all components to be saved: keeps this array alone, or all arrays of the same samples.
+  /// Throws as reconstruct_volume.
   FittedVolume fit(const std::string& array, const ReconstructionOptions& options, bool all, Progress& progress,
                    ReconstructionReport* report = nullptr);
-  /// What it was made of, if that is a fitted volume.
+  /// The fitted volume this was made from, or null.
   const FittedVolume* fitted() const { return fitted_ ? &*fitted_ : nullptr; }
 
   const std::string& format() const { return data_.format; }
@@ -60,12 +61,12 @@ class VolumeDataset {
   const std::optional<double>& time() const { return data_.time; }
 
  private:
-  /// The reconstruction of all components; `kept` receives or gives its coefficients.
+  /// The reconstruction of all components; `kept` supplies or receives its coefficients.
   std::unique_ptr<VolumeField> reconstruct(const std::string& array, const ReconstructionOptions& options,
                                            Progress& progress, ReconstructionReport& report,
                                            ReconstructionCoefficients& kept);
 
-  GridData data_;  ///< without blocks once nothing more can be made of them
+  GridData data_;  ///< without blocks once they are no longer needed
   std::vector<DatasetArray> arrays_;
   std::size_t default_ = 0;
   std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;

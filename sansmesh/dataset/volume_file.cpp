@@ -19,20 +19,20 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Written in a fixed order, but read into maps: these find the fields of a hostile description quickly.
+/// Written in a fixed order, but read into maps, which find the fields of a hostile description quickly.
 using Json = nlohmann::ordered_json;
 using ReadJson = nlohmann::json;
 
 constexpr const char* kVolumeKind = "fitted volume";
-/// Limits of the description: bytes, and arrays within arrays.
+/// Limits of the description: bytes, and depth of nested arrays.
 constexpr std::size_t kMostDescription = std::size_t{16} << 20;
 constexpr int kDeepest = 8;
-/// As many as there are sections left for.
+/// The number of sections left for arrays.
 constexpr std::size_t kMostArrays = 200;
-/// Far more than an array has, and few enough for products with numbers of samples.
+/// Far above real arrays, and small enough for products with numbers of samples.
 constexpr std::size_t kMostComponents = 1 << 16;
 
-/// Numbers that are not finite have no place in JSON; which ones they can be is known of each.
+/// JSON has no numbers that are not finite; the reader of each field knows which one null is.
 Json json_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 double real_of(const ReadJson& json) {
@@ -47,7 +47,7 @@ std::size_t count_of(const ReadJson& json) {
   return json.get<std::size_t>();
 }
 
-/// What will be printed is one line.
+/// Printed text has one line.
 std::string line_of(const ReadJson& json) { return printable(json.get<std::string>()); }
 
 template <class T>
@@ -85,7 +85,7 @@ ReconstructionOptions reconstruction_of(const ReadJson& json) {
   o.order = whole("order");
   o.radius = real("radius");
   if (!json.at("robust").is_null()) o.robust = json.at("robust").get<bool>();
-  // Files from before there was a choice have no word of it.
+  // Older files do not have this field.
   if (json.contains("spherical") && !json.at("spherical").is_null()) o.spherical = json.at("spherical").get<bool>();
   o.b = real_of(json.at("b"));
   o.c = real_of(json.at("c"));
@@ -117,7 +117,7 @@ VolumeFacts facts_of(const ReadJson& json) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   VolumeFacts f;
   f.grid = line_of(json.at("grid"));
-  f.unstructured = f.grid == "unstructured";  // the file has no other word of it
+  f.unstructured = f.grid == "unstructured";  // the file has no other field for it
   f.blocks = count_of(json.at("blocks"));
   f.levels = count_of(json.at("levels"));
   f.points = count_of(json.at("points"));
@@ -174,13 +174,13 @@ DatasetArray array_of(const ReadJson& json, bool in_cells) {
 
 std::string section_of_array(std::size_t k) { return fmt::format("ARRAY{}", k); }
 
-/// A section, or nothing where there is none: optional arrays, which are empty then.
+/// A section, or an empty array if an optional section is absent.
 template <class T>
 std::vector<T> optional_section(const SectionFile& file, const char* name) {
   return file.has(name) ? file.array<T>(name).copy() : std::vector<T>();
 }
 
-/// Of a lattice, besides its axes.
+/// Numbers of a lattice besides its axes.
 constexpr std::size_t kLatticeNumbers = 18;
 
 std::vector<double> lattice_numbers(const Lattice& lattice) {
@@ -212,7 +212,7 @@ CellList cells_of(const SectionFile& file) {
   cells.corners = file.array<std::uint32_t>("CELL").copy();
   cells.first.reserve(cells.shapes.size() + 1);
   for (const CellShape shape : cells.shapes) {
-    if (shape > CellShape::hexahedron) throw DataError("a cell has a shape that there is not");
+    if (shape > CellShape::hexahedron) throw DataError("a cell has an unknown shape");
     cells.first.push_back(cells.first.back() + corner_count(shape));
   }
   return cells;
@@ -268,7 +268,7 @@ ReconstructionCoefficients coefficients_of(const SectionFile& file, std::size_t 
 const DatasetArray& reconstructed(const FittedVolume& fitted) {
   for (const DatasetArray& a : fitted.arrays)
     if (a.name == fitted.array) return a;
-  throw DataError("the array that was reconstructed is not there");
+  throw DataError("the reconstructed array is missing");
 }
 
 void check_fitted(const FittedVolume& fitted) {
@@ -306,7 +306,7 @@ bool is_volume_file(const std::string& file) { return io::ending(file) == "smv";
 
 void write_volume_file(const std::string& file, const FittedVolume& fitted) {
   const SampledVolume& volume = *fitted.volume;
-  // Nothing is written that could not be read again.
+  // Refuse to write files that could not be read.
   try {
     check_volume(volume);
     check_fitted(fitted);
@@ -369,7 +369,7 @@ FittedVolume read_volume_file(const std::string& file) { return read_volume_file
 FittedVolume read_volume_file(const SectionFile& file) {
   try {
     const std::string_view text = file.text("META");
-    if (text.size() > kMostDescription) throw DataError("its description is longer than any that is written");
+    if (text.size() > kMostDescription) throw DataError("its description is too long");
     const ReadJson json = ReadJson::parse(text, [](int depth, ReadJson::parse_event_t, ReadJson&) {
       if (depth > kDeepest) throw DataError("its description is nested too deeply");
       return true;
@@ -380,7 +380,7 @@ FittedVolume read_volume_file(const SectionFile& file) {
     fitted.source = line_of(json.at("source"));
     if (!json.at("time").is_null()) fitted.time = real_of(json.at("time"));
     for (const ReadJson& note : json.at("notes")) fitted.notes.push_back(line_of(note));
-    if (json.at("arrays").size() > kMostArrays) throw DataError("it has more arrays than any that is written");
+    if (json.at("arrays").size() > kMostArrays) throw DataError("it has too many arrays");
     const bool in_cells = json.at("in_cells").get<bool>();
     for (const ReadJson& array : json.at("arrays")) fitted.arrays.push_back(array_of(array, in_cells));
     const ReadJson& reconstruction = json.at("reconstruction");

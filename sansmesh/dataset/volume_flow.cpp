@@ -1,7 +1,5 @@
 #include "sansmesh/dataset/volume_flow.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,6 +10,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dataset/step_times.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -28,7 +27,7 @@ class VolumeFlow final : public VectorField {
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
     const std::size_t n = x.size(), components = field_->components();
-    // Particles ask for small batches again and again.
+    // Particles evaluate small batches many times.
     static thread_local std::vector<double> value_store;
     static thread_local std::vector<Vec3> slope_store;
     std::vector<double> many_values;
@@ -60,13 +59,7 @@ class FlowInTime final : public VectorField {
   FlowInTime(std::vector<double> times, std::function<FlowStep(std::size_t)> load, const FlowSeriesOptions& options)
       : times_(std::move(times)), load_(std::move(load)), options_(options) {
     if (times_.size() < 2) throw ArgumentError("a flow in time needs two steps at least");
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      if (!std::isfinite(times_[i])) throw ArgumentError(fmt::format("the time of step {} is not known", i));
-      if (i > 0 && !(times_[i] > times_[i - 1]))
-        throw ArgumentError(
-            fmt::format("the times of the steps must increase: step {} is of {:.9g}, the one before of {:.9g}", i,
-                        times_[i], times_[i - 1]));
-    }
+    check_step_times(times_);
     bounds_ = steps({0, 1})[0]->bounds();
   }
   ~FlowInTime() override {
@@ -82,11 +75,11 @@ class FlowInTime final : public VectorField {
 
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
-    // By the interval of time that each lies in, so that every step is read once. As a rule that is the same for all.
+    // Groups points by time interval, so that every step is read once. In most batches all intervals are equal.
     std::vector<std::size_t> interval(x.size());
     bool alike = true;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      interval[i] = times().contains(t[i]) ? interval_of(t[i]) : kNever;
+      interval[i] = times().contains(t[i]) ? step_interval(times_, t[i]) : kNever;
       alike = alike && interval[i] == interval[0];
     }
     if (x.empty()) return;
@@ -119,10 +112,10 @@ class FlowInTime final : public VectorField {
   struct Answers {
     std::span<Vec3> vectors;
     std::span<std::uint8_t> inside;
-    std::span<Jacobian> jacobian;  // empty: not wanted
+    std::span<Jacobian> jacobian;  // empty: not requested
   };
 
-  /// Some of the places and moments of a batch, and room for their answers.
+  /// Points and times of a group from a batch, with storage for the answers.
   struct Gathered {
     std::vector<Vec3> x;
     std::vector<double> t;
@@ -139,32 +132,26 @@ class FlowInTime final : public VectorField {
     Answers answers() { return {vectors, inside, jacobian}; }
   };
 
-  /// The step at or before a moment, but not the last.
-  std::size_t interval_of(double t) const {
-    const auto after = std::upper_bound(times_.begin(), times_.end(), t);
-    return std::min(static_cast<std::size_t>(after - times_.begin()), times_.size() - 1) - 1;
-  }
-
-  /// Shares of the steps first, first + 1, … at a moment of an interval.
+  /// Weights of the steps first, first + 1, … at a time in an interval.
   struct Shares {
     std::size_t first = 0, count = 0;
     std::array<double, 4> of{};
   };
   Shares shares_at(std::size_t interval, double t) const {
     const double a = times_[interval], b = times_[interval + 1], u = (t - a) / (b - a);
-    // Alone at their own moments: particles arrive there, and the step after is not needed yet.
+    // The time of a step needs that step only: particles arrive there, and the next step is not needed yet.
     if (u <= 0) return {interval, 1, {1}};
     if (u >= 1) return {interval + 1, 1, {1}};
     if (options_.interpolation == TimeInterpolation::constant) return {interval, 1, {1}};
     if (options_.interpolation == TimeInterpolation::linear) return {interval, 2, {1 - u, u}};
-    // Hermite's cubic with the slopes of parabolas through three steps, at the ends of one through two.
+    // Hermite's cubic with slopes of parabolas through three steps, at the ends through two.
     const std::size_t first = interval > 0 ? interval - 1 : 0, last = std::min(interval + 2, times_.size() - 1);
     Shares s{first, last - first + 1, {}};
     const double h = b - a, u2 = u * u, u3 = u2 * u;
     const std::size_t at = interval - first;
     s.of[at] += 2 * u3 - 3 * u2 + 1;
     s.of[at + 1] += 3 * u2 - 2 * u3;
-    const auto slope = [&](std::size_t k, double weight) {  // of step k, times the interval
+    const auto slope = [&](std::size_t k, double weight) {  // slope at step k, times the interval
       if (k == 0 || k + 1 == times_.size()) {
         const std::size_t low = k == 0 ? 0 : k - 1;
         const double d = times_[low + 1] - times_[low];
@@ -183,7 +170,7 @@ class FlowInTime final : public VectorField {
     return s;
   }
 
-  /// The answers at moments of one interval.
+  /// The answers at times in one interval.
   void blend(std::size_t interval, std::span<const Vec3> x, std::span<const double> t, const Answers& into) const {
     const std::size_t n = x.size();
     const bool derivatives = !into.jacobian.empty();
@@ -192,7 +179,7 @@ class FlowInTime final : public VectorField {
     std::fill(into.jacobian.begin(), into.jacobian.end(), Jacobian{});
     std::vector<Shares> shares(n);
     std::size_t first = times_.size(), last = 0;
-    // Of particles on the way to the next step some arrive before others: it belongs to the same window.
+    // Some particles reach the next step before others: it belongs to the same window.
     bool on_the_way = false;
     for (std::size_t i = 0; i < n; ++i) {
       shares[i] = shares_at(interval, t[i]);
@@ -226,7 +213,7 @@ class FlowInTime final : public VectorField {
   }
 
   struct Range {
-    std::size_t first, last;  // the last is not in it
+    std::size_t first, last;  // exclusive end
   };
   struct Read {
     std::size_t step;
@@ -235,20 +222,21 @@ class FlowInTime final : public VectorField {
     std::function<void()> taken;
   };
 
-  /// Steps side by side; the one after them in the direction of the calls is read meanwhile.
+  /// A range of steps; the next one in the direction of the calls is read in parallel.
   std::vector<Loaded> steps(Range wanted) const {
     const std::lock_guard lock(mutex_);
     std::vector<Loaded> found;
     for (std::size_t k = wanted.first; k < wanted.last; ++k) found.push_back(step(k));
-    if (wanted.first < latest_.first || wanted.last > latest_.last) {  // else a moment at one of the same steps
+    if (wanted.first < latest_.first || wanted.last > latest_.last) {  // else a time in the same steps
       back_ = wanted.last <= latest_.last;
       latest_ = wanted;
     }
-    const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
+    const std::size_t next =
+        back_ ? wanted.first - 1 : wanted.last;  // below the first step it wraps around, beyond the end
     if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;
       ahead_ = std::async(std::launch::async, [this, next, threads = thread_count()] {
-        const CancelScope until_it_ends(stop_);  // whoever calls now may have gone by then
+        const CancelScope until_it_ends(stop_);  // the present caller may have finished by then
         const ThreadScope scope(std::min(threads, ThreadScope::kMost));
         return read(next);
       });
@@ -268,12 +256,12 @@ class FlowInTime final : public VectorField {
         try {
           keep(ahead_.get());
         } catch (...) {
-          if (right) throw;  // else nobody asked for it
+          if (right) throw;  // otherwise the step was not requested
         }
       }
       if (!is_kept(k)) keep(read(k));
     }
-    // To the end: used last.
+    // Moves the step to the end: most recently used.
     const auto at = std::find_if(kept_.begin(), kept_.end(), [&](const Read& r) { return r.step == k; });
     std::rotate(at, at + 1, kept_.end());
     if (kept_.back().taken) std::exchange(kept_.back().taken, {})();
@@ -289,8 +277,8 @@ class FlowInTime final : public VectorField {
     largest_ = std::max<std::uint64_t>(largest_, read.bytes);
     total_ += read.bytes;
     kept_.push_back(std::move(read));
-    // Of those that the moment does not need the one that was used last: calls go through the steps in one direction,
-    // and begin again at the start.
+    // Drops the most recently used step that is not needed now: calls pass the steps in one direction, and then restart
+    // at the beginning.
     const std::size_t needed = options_.interpolation == TimeInterpolation::cubic ? 4 : 2;
     while (kept_.size() > needed && total_ + largest_ > options_.memory) {
       const auto gone = kept_.end() - static_cast<std::ptrdiff_t>(needed) - 1;
@@ -304,9 +292,9 @@ class FlowInTime final : public VectorField {
   FlowSeriesOptions options_;
   Box3 bounds_;
   mutable std::mutex mutex_;
-  mutable std::vector<Read> kept_;  ///< the last that was asked for at the end
+  mutable std::vector<Read> kept_;  ///< the most recently used is last
   mutable std::uint64_t total_ = 0, largest_ = 0;
-  Progress stop_;  ///< heard by the thread that reads ahead
+  Progress stop_;  ///< stops the thread that reads ahead
   mutable std::future<Read> ahead_;
   mutable std::size_t ahead_step_ = 0;
   mutable Range latest_{0, 0};

@@ -1,4 +1,4 @@
-// The vectors of a volume, or of a series of volumes in time, as a flow.
+// Vector arrays of a volume, or of a time series of volumes, as a flow.
 #pragma once
 
 #include <cstddef>
@@ -13,30 +13,31 @@
 
 namespace sansmesh::inline v1 {
 
-/// A field of two (then z is 0) or three components as a steady flow. Throws ArgumentError for others.
+/// A field of two (z is then 0) or three components as a steady flow. Throws ArgumentError for others.
 std::unique_ptr<VectorField> volume_flow(std::shared_ptr<const VolumeField> field);
 
-/// A step of a series, as it was read.
+/// One step of a series.
 struct FlowStep {
   std::shared_ptr<const VolumeField> field;
-  std::size_t bytes = 0;             ///< that it takes, about (ReconstructionReport::bytes)
-  std::function<void()> taken = {};  ///< called when a step that was read is needed, once; not when it is read ahead
+  std::size_t bytes = 0;             ///< approximate memory (ReconstructionReport::bytes)
+  std::function<void()> taken = {};  ///< called once when the step is first needed, not when it is read ahead
 };
 
 struct FlowSeriesOptions {
   TimeInterpolation interpolation = TimeInterpolation::linear;
-  /// Bytes. Steps that were read are kept as long as all of them, and the one that is read ahead, take no more: what
-  /// comes back to them (a pass from the start for each front of a surface that gets new particles, the derivatives
-  /// along lines) need not read them again. Those that the moment needs are kept whatever they take.
+  /// Bytes. Steps already read are kept while they and the one read ahead fit: repeated passes (from the start for each
+  /// front of a surface that receives new particles; for derivatives along lines) then need not read again. Steps
+  /// needed at the current time are kept in any case.
   std::uint64_t memory = 0;
 };
 
-/// A flow whose steps are read when they are asked for; grids may differ from step to step, and bounds() are those of
-/// the first. A moment between two steps is inside where all steps are that have a share in it (1, 2 or 4 of them): a
-/// moment of a step asks for that step alone. One more step is read ahead. Of series larger than `memory` the steps
-/// that go are those that were passed last: who comes back begins with the others.
-/// `times`: of the steps, strictly increasing, two at least. `load(i)` is called for one step at a time, not always by
-/// the same thread; what it throws comes out of evaluate() that needs the step. Throws ArgumentError for other times.
+/// A flow that reads steps on demand; grids may differ between steps, and bounds() are those of the first. A point in
+/// time between steps is inside where all contributing steps (1, 2 or 4) are; at the time of a step only that step
+/// contributes. One further step is read ahead. If the series exceeds `memory`, the steps passed most recently are
+/// dropped, since a new pass begins with the others.
+/// `times`: times of the steps, strictly increasing, at least two. `load(i)` is called for one step at a time, not
+/// always from the same thread; its exceptions propagate from the evaluate() that needs the step. Throws ArgumentError
+/// for other times.
 std::unique_ptr<VectorField> flow_in_time(std::vector<double> times, std::function<FlowStep(std::size_t)> load,
                                           const FlowSeriesOptions& options = {});
 

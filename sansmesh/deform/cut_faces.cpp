@@ -24,10 +24,10 @@ struct FaceCorner {
   std::uint32_t above = kNoVertex, below = kNoVertex;
   OnPlane place;
 };
-/// A place on the border of the cut.
+/// A point on the border of the cut.
 struct BorderPlace {
   std::size_t border = 0;
-  double at = 0;  ///< edge, and share of it; along a line the length
+  double at = 0;  ///< edge index plus fraction of the edge; on a line the length
 };
 
 class FaceMaker {
@@ -47,7 +47,7 @@ class FaceMaker {
   }
 
  private:
-  struct Piece {  // an edge of the slit, the solid's inside on its left
+  struct Piece {  // an edge of the slit, with the inside of the solid on its left
     FaceCorner from, to;
   };
   using Chain = std::vector<FaceCorner>;
@@ -56,14 +56,14 @@ class FaceMaker {
     return {above, below, cut_.in_plane(mesh_.origin + Vec3(mesh_.vertices[above]))};
   }
 
-  /// Joins the edges of the slit to curves.
+  /// Joins the edges of the slit into curves.
   bool chains(const Slit& slit) {
     std::vector<Piece> pieces;
     std::map<std::array<std::uint32_t, 2>, std::vector<std::size_t>> from;
     for (const SlitEdge& e : slit.edges) {
       if (e.beside_second == kNoVertex) return false;
       const auto height = [&](std::uint32_t v) { return cut_.height(mesh_.origin + Vec3(mesh_.vertices[v])); };
-      // The triangle above the cut runs through it with the inside on the left, seen against the normal.
+      // The triangle above the cut traverses the edge with the inside on the left, seen against the normal.
       const bool first_above = height(e.beside_first) > height(e.beside_second);
       if (first_above) {
         pieces.push_back({corner(e.first[0], e.second[0]), corner(e.first[1], e.second[1])});
@@ -91,7 +91,7 @@ class FaceMaker {
       }
       return chain;
     };
-    // Those that begin at the end of a slit come first.
+    // Curves that begin at the end of a slit come first.
     for (std::size_t i = 0; i < pieces.size(); ++i)
       if (!used[i] && into.count({pieces[i].from.above, pieces[i].from.below}) == 0) open_.push_back(follow(i));
     for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -129,7 +129,7 @@ class FaceMaker {
     return {e.begin.a + e.along.a * t, e.begin.b + e.along.b * t};
   }
 
-  /// A vertex that both sides share, like one of the slit but for its place.
+  /// A vertex shared by both sides: a copy of slit vertex `like` at another position.
   FaceCorner shared(const OnPlane& p, std::uint32_t like) {
     const std::uint32_t v = append_vertex_copy(mesh_, like);
     mesh_.vertices[v] = Vec3f(cut_.in_space(p) - mesh_.origin);
@@ -137,7 +137,7 @@ class FaceMaker {
     return {v, v, p};
   }
 
-  /// New vertices along the border, between two places of it.
+  /// Adds vertices along the border between two points of it.
   void along_border(Chain& chain, const BorderPlace& from, double to, std::uint32_t like) {
     const auto& border = cut_.borders()[from.border];
     const bool line = std::isinf(border[0].length);
@@ -155,7 +155,7 @@ class FaceMaker {
     }
   }
 
-  /// Closes curves that begin and end at the border of the cut along that.
+  /// Closes curves that begin and end at the cut's border along that border.
   bool loops() {
     struct Begin {
       double at;
@@ -194,7 +194,7 @@ class FaceMaker {
           if (to < least) least = to, next = b.chain;
         }
         if (next == open_.size()) return false;
-        // Within the solid the border stays in its box.
+        // Inside the solid the border stays in its box.
         if (least > end.at && !box_.contains(cut_.in_space(at_border({end.border, 0.5 * (end.at + least)}))))
           return false;
         along_border(loop, end, least, open_[at].back().above);
@@ -206,7 +206,7 @@ class FaceMaker {
     return !loops_.empty();
   }
 
-  /// Holes of the cut that lie within the solid as a whole.
+  /// Adds the holes of the cut that are entirely inside the solid.
   void add_islands() {
     const std::vector<Chain> known = loops_;
     for (std::size_t b = 0; b < cut_.borders().size(); ++b) {
@@ -239,7 +239,7 @@ class FaceMaker {
         corners.push_back(c);
       }
     }
-    // Edges between vertices that both faces share would be edges of four triangles.
+    // Edges between shared vertices would have four triangles.
     std::vector<std::uint8_t> shared;
     shared.reserve(corners.size());
     for (const FaceCorner& c : corners) shared.push_back(c.above == c.below);
@@ -285,10 +285,10 @@ class FaceMaker {
   const PlanarOccluder& cut_;
   double length_;
   bool inward_;
-  Box3 box_;  // that the solid lies in
+  Box3 box_;  // bounds of the solid
   std::vector<Chain> open_, loops_;
   std::vector<std::size_t> touched_;  // borders of the cut at which slits end
-  std::vector<std::uint32_t> still_;  // vertices that both sides share
+  std::vector<std::uint32_t> still_;  // vertices shared by both sides
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Faces along cuts, which make what was opened closed again.
+// Faces along cuts, which close an opened mesh.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// Adds the part of the plane within a solid, on both sides of the cut, to its opened mesh. Where the cut ends within
-/// the solid the two faces share their vertices along its border. Inner vertices carry what belongs to the nearest one
-/// of the slit. `inward`: the triangles of the solid face inward, and so do the faces. Returns how many triangles were
-/// added; 0: the slit does not bound anything.
+/// Adds the part of the plane inside a solid, on both sides of the cut, to its opened mesh. Where the cut ends inside
+/// the solid, the two faces share their vertices along its border. Inner vertices take the attributes of the nearest
+/// slit vertex. `inward`: the triangles of the solid face inward, and so do the faces. Returns the number of added
+/// triangles; 0: the slit bounds no area.
 std::size_t add_cut_faces(TriangleMesh& mesh, const Slit& slit, const PlanarOccluder& cut, double edge_length,
                           bool inward = false);
 

@@ -1,4 +1,4 @@
-// A displacement map that is exact beside cuts: where a lattice would mix what has come apart.
+// A displacement map that is exact next to cuts, where a lattice would mix the two sides.
 #pragma once
 
 #include <array>
@@ -14,23 +14,23 @@
 
 namespace sansmesh::inline v1 {
 
-/// Answers come from the lattice but in its cells that a cut passes and those next to them: there the map itself is
-/// asked. So the faces of gaps lie where they are and what belongs to one side of a cut is not mixed with the other's,
-/// for the price of the few places near cuts (the adaptive sampling of thesis 6.4.3). Cuts narrower than a cell count,
-/// too. Beyond the lattice's box answers are those of the lattice.
+/// Uses the lattice, except in cells that a cut crosses and in their neighbours, where it evaluates the map itself. The
+/// faces of gaps are therefore exact and the two sides of a cut are not mixed, at the price of the few points near cuts
+/// (adaptive sampling: tejada2008, 6.4.3). This includes cuts narrower than a cell. Outside the lattice's box the
+/// values are those of the lattice.
 class CutMap final : public SpaceMap {
  public:
-  /// `exact` with these cuts, on a lattice as displacement_map makes it. The stage of `progress` is that of that.
+  /// `exact` with these cuts, on a lattice as in displacement_map(), which also names the stage of `progress`.
   CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_ptr<const Occluder>> cuts, const Box3& box,
          const std::array<std::size_t, 3>& sizes, Progress& progress);
 
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
   bool has_gaps() const override { return lattice_.has_gaps(); }
-  /// Of the cells that a box touches and their neighbours, which is rigorous only away from cuts.
+  /// Bounds over the cells that a box touches and their neighbours; rigorous only away from cuts.
   void images(std::span<const Box3> boxes, std::span<Box3> found) const override;
 
   const DisplacementMap& lattice() const { return lattice_; }
-  /// Share of the cells in which the map itself is asked.
+  /// Share of the cells in which the map itself is evaluated.
   double exact_share() const;
 
  private:
@@ -38,8 +38,7 @@ class CutMap final : public SpaceMap {
 
   std::shared_ptr<const SpaceMap> exact_;
   DisplacementMap lattice_;
-  Vec3 spacing_;
-  std::vector<std::uint8_t> beside_cut_;  // of each cell
+  std::vector<std::uint8_t> beside_cut_;  // per cell
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// A handle as MlsDeformation uses it.
+// Internal representation of a handle in MlsDeformation.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@ namespace sansmesh::inline v1::detail {
 
 struct DeformHandle {
   Vec3 p, q;
-  Vec3 along_p, along_q;  ///< from one end of a segment to the other
+  Vec3 along_p, along_q;  ///< vector between the ends of a segment
   bool segment = false;   ///< `along_q` is not zero
   double weight = 1;
-  std::vector<TurnedDirection> directions;  ///< of length 1
+  std::vector<TurnedDirection> directions;  ///< unit vectors
   double reach = 0;
 };
 

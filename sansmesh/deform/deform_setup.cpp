@@ -15,12 +15,13 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kLeastWeight = 1e-60;  // of a handle against one that is at the place
+constexpr double kLeastWeight = 1e-60;  // smallest weight of a handle relative to one at the point
 constexpr double kOnLine = 1e-10;       // distance from a line over extent
 constexpr double kInPlane = 1e-9;
-/// Next to a segment its weight grows as distance^(1 − 2 alpha): too slowly below this, not at all at 1/2.
+/// Exponent below which segments fail: next to a segment its weight grows as distance^(1 − 2 alpha), too slowly, and at
+/// 1/2 not at all.
 constexpr double kLeastOfSegments = 1;
-constexpr double kDependent = 1e-6;  // what is left of a polynomial on the handles once others are taken out
+constexpr double kDependent = 1e-6;  // norm of a polynomial's part independent of the others, on the handles
 
 std::string handle_number(std::size_t i) { return "handle " + std::to_string(i + 1); }
 
@@ -39,7 +40,7 @@ DeformHandle checked_handle(const Handle& h, std::size_t number) {
     out.along_p = *h.p_end - h.p, out.along_q = *h.q_end - h.q;
     out.segment = out.along_q != Vec3{};
     if (!out.segment && out.along_p != Vec3{})
-      fail("`q_end` is at `q` though `p_end` is not at `p`: a segment cannot come out of a point");
+      fail("`q_end` is at `q` though `p_end` is not at `p`: a segment cannot come from a point");
   }
   for (std::size_t k = 0; k < h.directions.size(); ++k) {
     const auto unit = [&](const Vec3& v, const char* name) {
@@ -55,7 +56,7 @@ DeformHandle checked_handle(const Handle& h, std::size_t number) {
   return out;
 }
 
-/// Half the mean distance from a handle to the nearest other one; of a single one half its length.
+/// Half the mean distance from a handle to its nearest neighbour; for a single one half its length.
 double default_reach(const std::vector<DeformHandle>& handles) {
   double sum = 0;
   std::size_t count = 0;
@@ -70,7 +71,7 @@ double default_reach(const std::vector<DeformHandle>& handles) {
   return length > 0 ? length / 2 : 1;
 }
 
-/// Places that the handles hold, before and after: as many of each segment as tell polynomials of the degree apart.
+/// Points held by the handles, before and after: for each segment as many as determine polynomials of the degree.
 struct HeldPlaces {
   std::vector<Vec3> p, q;
 };
@@ -95,7 +96,7 @@ double extent_of(const std::vector<Vec3>& places) {
   return box.diagonal();
 }
 
-/// The direction of the line on which all places lie; zero if they are one point.
+/// The direction of the line through all points; zero if they coincide.
 std::optional<Vec3> line_of(const std::vector<Vec3>& places) {
   const auto farther = [&](const Vec3& a, const Vec3& b) {
     return squared_norm(a - places[0]) < squared_norm(b - places[0]);
@@ -110,7 +111,7 @@ std::optional<Vec3> line_of(const std::vector<Vec3>& places) {
 bool in_a_plane(const std::vector<Vec3>& places) {
   const std::optional<Vec3> line = line_of(places);
   if (line) return true;
-  // The normal of the widest triangle with the longest side from the first place.
+  // The normal of the widest triangle with the longest side from the first point.
   Vec3 far = places[0], normal;
   for (const Vec3& x : places)
     if (squared_norm(x - places[0]) > squared_norm(far - places[0])) far = x;
@@ -124,7 +125,7 @@ bool in_a_plane(const std::vector<Vec3>& places) {
                      [&](const Vec3& x) { return std::abs(dot(x - places[0], normal)) <= tolerance; });
 }
 
-/// Whether no polynomial of the space but 0 is the same at all places.
+/// Whether 0 is the only polynomial of the space that is constant on all points.
 bool determined(const std::vector<Vec3>& places, const PolynomialTerms& terms) {
   const std::size_t n = places.size();
   if (n <= terms.count) return false;
@@ -158,13 +159,13 @@ bool determined(const std::vector<Vec3>& places, const PolynomialTerms& terms) {
 void check_affine(const HeldPlaces& held, std::size_t handles) {
   const std::string remedy = ": add handles off it, or use the kind `rigid`, which takes any";
   if (held.q.size() < 4)
-    throw ArgumentError("the kind `affine` needs at least 4 handles that are not in a plane, not " +
+    throw ArgumentError("the kind `affine` needs at least 4 handles that are not coplanar, not " +
                         std::to_string(handles) + ": add some, or use the kind `rigid`, which takes any number");
   if (line_of(held.q))
-    throw ArgumentError("the kind `affine` needs handles that are not in a plane, and where these went is a line" +
-                        remedy);
+    throw ArgumentError(
+        "the kind `affine` needs handles that are not coplanar, and the targets of these are collinear" + remedy);
   if (in_a_plane(held.q))
-    throw ArgumentError("the kind `affine` needs handles that are not in a plane, and where these went is one" +
+    throw ArgumentError("the kind `affine` needs handles that are not coplanar, and the targets of these are coplanar" +
                         remedy);
 }
 
@@ -182,7 +183,7 @@ PolynomialTerms nonlinear_terms(const HeldPlaces& held, std::size_t handles, int
       polynomial_terms(degree == 2 ? PolynomialSpace::harmonic_quadratic : PolynomialSpace::harmonic_cubic);
   if (determined(held.q, harmonic)) return harmonic;
   const bool flat = in_a_plane(held.q);
-  throw ArgumentError(kind + " needs handles in general position, and where these went is " +
+  throw ArgumentError(kind + " needs handles in general position, and the targets of these are on " +
                       (flat ? "a plane" : "a surface of that degree") + ": add handles off it, or use " +
                       (degree == 3 ? "`degree` 2 or the kind `rigid`" : "the kind `rigid`"));
 }
@@ -200,7 +201,7 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
     const DeformHandle& h = setup.handles.back();
     if (h.segment || !h.directions.empty()) setup.plain = false;
     if (h.segment && options.alpha < kLeastOfSegments)
-      throw ArgumentError(handle_number(i) + " is a segment, which would not be held for `alpha` below 1: raise it");
+      throw ArgumentError(handle_number(i) + " is a segment, which needs an `alpha` of at least 1");
     reach_wanted = reach_wanted || (!h.directions.empty() && !handles[i].reach);
   }
   const double reach = reach_wanted ? default_reach(setup.handles) : 0;
@@ -210,7 +211,7 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
   const HeldPlaces held = held_places(setup.handles, polynomial ? options.degree : 1);
   if (const double extent = extent_of(held.q); extent > 0) setup.extent = extent;
   if (!std::isfinite(setup.extent) || !std::isfinite(extent_of(held.p)))
-    throw ArgumentError("handles are too far from each other for numbers of double precision");
+    throw ArgumentError("handles are too far apart for double precision");
   check_handle_conflicts(setup.handles, 1e-13 * setup.extent, 1e-9 * std::max(extent_of(held.p), setup.extent));
   setup.floor_square = setup.extent * setup.extent * std::pow(kLeastWeight, 1 / options.alpha);
 

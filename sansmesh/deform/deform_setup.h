@@ -1,4 +1,4 @@
-// Handles as MlsDeformation uses them, and what it finds out about them once.
+// Handles and precomputed data of MlsDeformation.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Handles that lie on a line, before or after, leave the turn about it open.
+/// Handles that are collinear, before or after, leave the rotation about their line undetermined.
 enum class HandleLine : std::uint8_t { none, after, before, point };
 
 struct DeformSetup {
   std::vector<DeformHandle> handles;
   MlsDeformationOptions options;
-  double extent = 1;        ///< diagonal of the box of the handles after the deformation; 1 if they are one point
-  double floor_square = 0;  ///< points whose squared distances are below this have the weight of this
-  PolynomialTerms terms;    ///< of affine and nonlinear deformations
+  double extent = 1;        ///< diagonal of the box of the deformed handles; 1 if they coincide
+  double floor_square = 0;  ///< squared distances below this count as this
+  PolynomialTerms terms;    ///< for affine and nonlinear deformations
   HandleLine line = HandleLine::none;
-  Vec3 line_direction;  ///< of length 1
+  Vec3 line_direction;  ///< unit vector
   bool plain = true;    ///< all handles are points without directions
 };
 

@@ -14,15 +14,15 @@ std::string_view kind_word(DeformationKind kind) { return kDeformationKinds[stat
 const OptionSchema& MlsDeformationOptions::schema() {
   using O = MlsDeformationOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::kind>({.text = "What it is made of around each place: affine, similarity (turns and scales), rigid "
-                                "(turns), nonlinear (bends)",
-                        .unit = "kind",
-                        .choices = kDeformationKinds}),
-      option<&O::degree>({.text = "Of nonlinear: 2 (from 9 handles on) or 3 (19)", .unit = "degree", .range = {2, 3}}),
-      option<&O::alpha>({.text = "How local it is: weights are 1/distance^(2 alpha), with segments of 1 at least",
-                         .range = {0.5, 8}}),
-      option<&O::damping>({.text = "How much less what lies behind a cut follows: influence falls with "
-                                   "distance/(distance + FACTOR · detour)",
+      option<&O::kind>(
+          {.text = "Local map: affine, similarity (rotation and scale), rigid (rotation), nonlinear (polynomials)",
+           .unit = "kind",
+           .choices = kDeformationKinds}),
+      option<&O::degree>(
+          {.text = "Degree of nonlinear maps: 2 (at least 9 handles) or 3 (19)", .unit = "degree", .range = {2, 3}}),
+      option<&O::alpha>(
+          {.text = "Exponent of the weights 1/distance^(2 alpha); with segments at least 1", .range = {0.5, 8}}),
+      option<&O::damping>({.text = "Reduction of influence across a cut, to distance/(distance + FACTOR · detour)",
                            .unit = "factor",
                            .range = {1, 1e6},
                            .name = "cut_damping"})};

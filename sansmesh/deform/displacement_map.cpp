@@ -15,29 +15,21 @@
 namespace sansmesh::inline v1 {
 namespace {
 
+constexpr const char* kUser = "a displacement map";
 constexpr std::size_t kLookups = 1024;
-constexpr std::size_t kChunk = 256;          // points that are mapped at a time
-constexpr std::size_t kBlock = 8;            // points along each axis whose bounds are kept
-constexpr std::size_t kMostNodes = 1200000;  // 77 MB: of larger lattices differences are taken at each place
-constexpr double kUneven = 1e-4;             // of the spacing
-
-void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(box.upper[k] > box.lower[k]) || !std::isfinite(box.upper[k] - box.lower[k]))
-      throw ArgumentError("the box of a displacement map has no size along axis " + std::to_string(k + 1));
-    if (sizes[k] < 2 || sizes[k] > 4096)
-      throw ArgumentError("a displacement map has 2 to 4096 points along each axis, not " + std::to_string(sizes[k]));
-  }
-}
+constexpr std::size_t kChunk = 256;          // points mapped at a time
+constexpr std::size_t kBlock = 8;            // points along each axis of a block with cached bounds
+constexpr std::size_t kMostNodes = 1200000;  // 77 MB: for larger lattices, differences are computed on demand
+constexpr double kUneven = 1e-4;             // in spacings
 
 }  // namespace
 
-/// The points around a place, and their weights.
+/// Lattice points around a position, with weights.
 struct DisplacementMap::Corners {
-  std::size_t first = 0;                ///< number of the lowest
+  std::size_t first = 0;                ///< index of the lowest
   std::array<std::size_t, 3> stride{};  ///< to the next along each axis
-  std::array<double, 8> weight{};       ///< of point (c & 1, c & 2, c & 4)
-  std::array<bool, 3> inside{};         ///< the place is not beyond the lattice: there are derivatives
+  std::array<double, 8> weight{};       ///< for point (c & 1, c & 2, c & 4)
+  std::array<bool, 3> inside{};         ///< within the lattice along the axis: derivatives are not zero
   std::size_t at(std::size_t c) const {
     return first + (c & 1 ? stride[0] : 0) + (c & 2 ? stride[1] : 0) + (c & 4 ? stride[2] : 0);
   }
@@ -45,61 +37,58 @@ struct DisplacementMap::Corners {
 
 DisplacementMap::DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes,
                                  SharedArray<Vec3f> displacements, SharedArray<float> gaps)
-    : box_(box), sizes_(sizes), displacements_(std::move(displacements)), gaps_(std::move(gaps)) {
-  check_lattice(box, sizes);
-  const std::size_t points = sizes[0] * sizes[1] * sizes[2];
-  for (std::size_t k = 0; k < 3; ++k) {
-    spacing_[k] = (box.upper[k] - box.lower[k]) / static_cast<double>(sizes[k] - 1);
-    blocks_[k] = (sizes[k] + kBlock - 1) / kBlock;
-  }
+    : lattice_(box, sizes), displacements_(std::move(displacements)), gaps_(std::move(gaps)) {
+  lattice_.validate(kUser);
+  const std::size_t points = lattice_.size();
+  for (std::size_t k = 0; k < 3; ++k) blocks_[k] = (sizes[k] + kBlock - 1) / kBlock;
   if (displacements_.size() != points || (!gaps_.empty() && gaps_.size() != points))
     throw ArgumentError("a displacement map of " + std::to_string(points) + " points needs as many displacements");
   block_bounds_.resize(blocks_[0] * blocks_[1] * blocks_[2]);
   parallel_for(0, block_bounds_.size(), 16, [&](std::size_t b) {
     const std::array<std::size_t, 3> block{b % blocks_[0], b / blocks_[0] % blocks_[1], b / blocks_[0] / blocks_[1]};
     Box3f& bounds = block_bounds_[b];
-    for (std::size_t k = block[2] * kBlock; k < std::min((block[2] + 1) * kBlock, sizes_[2]); ++k)
-      for (std::size_t j = block[1] * kBlock; j < std::min((block[1] + 1) * kBlock, sizes_[1]); ++j)
-        for (std::size_t i = block[0] * kBlock; i < std::min((block[0] + 1) * kBlock, sizes_[0]); ++i)
-          bounds.extend(displacements_[i + sizes_[0] * (j + sizes_[1] * k)]);
+    for (std::size_t k = block[2] * kBlock; k < std::min((block[2] + 1) * kBlock, lattice_.sizes[2]); ++k)
+      for (std::size_t j = block[1] * kBlock; j < std::min((block[1] + 1) * kBlock, lattice_.sizes[1]); ++j)
+        for (std::size_t i = block[0] * kBlock; i < std::min((block[0] + 1) * kBlock, lattice_.sizes[0]); ++i)
+          bounds.extend(displacements_[lattice_.point({i, j, k})]);
   });
   if (points > kMostNodes) return;
   nodes_.resize(points);
   parallel_for(0, points, 4096, [&](std::size_t p) { nodes_[p] = node_of(p); });
 }
 
-/// Differences over two cells, over one at the border of the lattice.
+/// Differences over two cells, at the border of the lattice over one.
 DisplacementMap::Node DisplacementMap::node_of(std::size_t p) const {
-  const std::array<std::size_t, 3> i{p % sizes_[0], p / sizes_[0] % sizes_[1], p / sizes_[0] / sizes_[1]};
-  const std::array<std::size_t, 3> stride{1, sizes_[0], sizes_[0] * sizes_[1]};
+  const BoxLattice::Index i = lattice_.index(p), stride = lattice_.strides();
   Node n;
   n.d = displacements_[p];
   if (!gaps_.empty()) n.gap = gaps_[p];
   for (std::size_t k = 0; k < 3; ++k) {
-    const bool below = i[k] > 0, above = i[k] + 1 < sizes_[k];
+    const bool below = i[k] > 0, above = i[k] + 1 < lattice_.sizes[k];
     const std::size_t low = below ? p - stride[k] : p, high = above ? p + stride[k] : p;
-    const double inverse = 1 / ((below && above ? 2 : 1) * spacing_[k]);
+    const double inverse = 1 / ((below && above ? 2 : 1) * lattice_.spacing[k]);
     n.by[k] = Vec3f((Vec3(displacements_[high]) - Vec3(displacements_[low])) * inverse);
     if (!gaps_.empty()) n.gap_by[k] = static_cast<float>((double{gaps_[high]} - double{gaps_[low]}) * inverse);
   }
   return n;
 }
 
-/// False where the place is not finite.
+/// False where the position is not finite.
 bool DisplacementMap::corners_at(const Vec3& x, Corners& c) const {
   std::array<double, 3> f{};
   c.first = 0;
   std::size_t stride = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double last = static_cast<double>(sizes_[k] - 1), free = (x[k] - box_.lower[k]) / spacing_[k];
+    const double last = static_cast<double>(lattice_.sizes[k] - 1),
+                 free = (x[k] - lattice_.box.lower[k]) / lattice_.spacing[k];
     if (!std::isfinite(free)) return false;
     const double u = std::clamp(free, 0.0, last);
-    const auto cell = std::min(static_cast<std::size_t>(u), sizes_[k] - 2);
+    const auto cell = std::min(static_cast<std::size_t>(u), lattice_.sizes[k] - 2);
     f[k] = u - static_cast<double>(cell);
-    c.inside[k] = free >= 0 && free <= last;  // outside nothing changes across the border
+    c.inside[k] = free >= 0 && free <= last;  // constant outside, across the border
     c.stride[k] = stride;
     c.first += cell * stride;
-    stride *= sizes_[k];
+    stride *= lattice_.sizes[k];
   }
   for (std::size_t i = 0; i < 8; ++i)
     c.weight[i] = (i & 1 ? f[0] : 1 - f[0]) * (i & 2 ? f[1] : 1 - f[1]) * (i & 4 ? f[2] : 1 - f[2]);
@@ -112,7 +101,7 @@ void DisplacementMap::map(std::span<const Vec3> x, const MapAnswers& wanted) con
     Corners c;
     for (std::size_t i = first; i < last; ++i) {
       const bool known = corners_at(x[i], c);
-      if (!known) corners_at(box_.lower, c);
+      if (!known) corners_at(lattice_.box.lower, c);
       if (!wanted.positions.empty() || !wanted.jacobians.empty()) {
         std::array<double, 12> sum{};
         for (std::size_t k = 0; k < 8; ++k) {
@@ -156,7 +145,7 @@ Box3f DisplacementMap::bounds_of_points(const std::array<std::size_t, 3>& first,
         std::array<std::size_t, 3> from{}, to{};
         bool whole = true;
         for (std::size_t k = 0; k < 3; ++k) {
-          const std::size_t begin = block[k] * kBlock, end = std::min(begin + kBlock, sizes_[k]) - 1;
+          const std::size_t begin = block[k] * kBlock, end = std::min(begin + kBlock, lattice_.sizes[k]) - 1;
           from[k] = std::max(begin, first[k]), to[k] = std::min(end, last[k]);
           whole = whole && from[k] == begin && to[k] == end;
         }
@@ -166,8 +155,7 @@ Box3f DisplacementMap::bounds_of_points(const std::array<std::size_t, 3>& first,
         }
         for (std::size_t k = from[2]; k <= to[2]; ++k)
           for (std::size_t j = from[1]; j <= to[1]; ++j)
-            for (std::size_t i = from[0]; i <= to[0]; ++i)
-              bounds.extend(displacements_[i + sizes_[0] * (j + sizes_[1] * k)]);
+            for (std::size_t i = from[0]; i <= to[0]; ++i) bounds.extend(displacements_[lattice_.point({i, j, k})]);
       }
     }
   }
@@ -180,15 +168,17 @@ void DisplacementMap::images(std::span<const Box3> boxes, std::span<Box3> found)
     if (boxes[n].empty()) return;
     std::array<std::size_t, 3> first{}, last{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const double end = static_cast<double>(sizes_[k] - 1);
-      const auto cell = [&](double x) { return std::clamp((x - box_.lower[k]) / spacing_[k], 0.0, end); };
-      // A cell more than division by the spacing says: that rounds.
-      first[k] = index_in<std::size_t>(std::floor(cell(boxes[n].lower[k]) - 1e-9), 0, sizes_[k] - 1);
-      last[k] = index_in<std::size_t>(std::ceil(cell(boxes[n].upper[k]) + 1e-9), 0, sizes_[k] - 1);
+      const double end = static_cast<double>(lattice_.sizes[k] - 1);
+      const auto cell = [&](double x) {
+        return std::clamp((x - lattice_.box.lower[k]) / lattice_.spacing[k], 0.0, end);
+      };
+      // Allows for the rounding of the division by the spacing.
+      first[k] = index_in<std::size_t>(std::floor(cell(boxes[n].lower[k]) - 1e-9), 0, lattice_.sizes[k] - 1);
+      last[k] = index_in<std::size_t>(std::ceil(cell(boxes[n].upper[k]) + 1e-9), 0, lattice_.sizes[k] - 1);
     }
     const Box3f bounds = bounds_of_points(first, last);
     if (bounds.empty()) return;
-    // Sums of eight products round, too.
+    // Sums of eight products are also rounded.
     for (std::size_t k = 0; k < 3; ++k) {
       const double lower = boxes[n].lower[k] + double{bounds.lower[k]},
                    upper = boxes[n].upper[k] + double{bounds.upper[k]};
@@ -199,21 +189,12 @@ void DisplacementMap::images(std::span<const Box3> boxes, std::span<Box3> found)
   });
 }
 
-std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t longest) {
-  const Vec3 size = box.size();
-  const double most = std::max({size.x, size.y, size.z});
-  std::array<std::size_t, 3> sizes{2, 2, 2};
-  for (std::size_t k = 0; k < 3 && most > 0; ++k)
-    sizes[k] = std::max<std::size_t>(
-        2, index_in<std::size_t>(std::round(static_cast<double>(longest - 1) * size[k] / most), 0, longest - 1) + 1);
-  return sizes;
-}
-
 DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std::array<std::size_t, 3>& sizes,
                                  Progress& progress) {
-  check_lattice(box, sizes);
-  const std::size_t points = sizes[0] * sizes[1] * sizes[2];
-  // Not filled with zeros: the threads below touch it first.
+  const BoxLattice lattice(box, sizes);
+  lattice.validate(kUser);
+  const std::size_t points = lattice.size();
+  // Uninitialised memory: the threads below touch it first.
   const std::shared_ptr<void> memory(::operator new(points * sizeof(Vec3f)), [](void* m) { ::operator delete(m); });
   const std::span<Vec3f> displacements(static_cast<Vec3f*>(memory.get()), points);
   std::vector<float> gaps(map.has_gaps() ? points : 0);
@@ -233,7 +214,7 @@ DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std
     std::array<double, kChunk> depths{};
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       const std::size_t first = chunk * kChunk, n = std::min(kChunk, points - first);
-      std::size_t i = first % sizes[0], j = first / sizes[0] % sizes[1], k = first / sizes[0] / sizes[1];
+      auto [i, j, k] = lattice.index(first);
       for (std::size_t p = 0; p < n; ++p) {
         x[p] = {axes[0][i], axes[1][j], axes[2][k]};
         if (++i < sizes[0]) continue;
@@ -253,13 +234,7 @@ DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std
 }
 
 GridBlock displacement_block(const DisplacementMap& map) {
-  GridBlock block;
-  block.kind = GridKind::lattice;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double step = (map.box().upper[k] - map.box().lower[k]) / static_cast<double>(map.sizes()[k] - 1);
-    block.origin[k] = map.box().lower[k];
-    for (std::size_t i = 0; i < map.sizes()[k]; ++i) block.axes[k].push_back(step * static_cast<double>(i));
-  }
+  GridBlock block = map.lattice().grid();
   std::vector<float> numbers;
   numbers.reserve(3 * map.displacements().size());
   for (const Vec3f& d : map.displacements()) numbers.insert(numbers.end(), {d.x, d.y, d.z});
@@ -270,7 +245,7 @@ GridBlock displacement_block(const DisplacementMap& map) {
 
 DisplacementMap displacement_map_of(const GridBlock& block) {
   const auto fail = [](const std::string& why) { throw DataError("not a displacement map: " + why); };
-  if (block.kind != GridKind::lattice) fail("its points are not those of a lattice");
+  if (block.kind != GridKind::lattice) fail("its points are not on a lattice");
   Box3 box;
   std::array<std::size_t, 3> sizes{};
   for (std::size_t k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// Where a map of space is folded: several places come from one, inside out in between.
+// Detects folds of a map of space: regions that it turns inside out.
 #pragma once
 
 #include <array>
@@ -12,8 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Looks at the points of a lattice of 2 to 4096 points an axis over a box (first and last on its faces), each of which
-/// stands for the volume about it. The stage of `progress` is "folds". Throws ArgumentError where the box has no size.
+/// Evaluates the map at the points of a lattice of 2 to 4096 points per axis over a box (first and last on its faces);
+/// each represents the volume around it. The stage of `progress` is "folds". Throws ArgumentError if the box has no
+/// size.
 FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std::size_t, 3>& sizes,
                       Progress& progress);
 

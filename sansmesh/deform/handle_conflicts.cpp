@@ -17,7 +17,7 @@ double fraction_near(const DeformHandle& h, const Vec3& x) {
   return h.segment ? std::clamp(dot(x - h.q, h.along_q) / squared_norm(h.along_q), 0.0, 1.0) : 0;
 }
 
-/// Fractions of places of two handles that may be the same one: ends, and where lines pass each other.
+/// Positions on two handles that may coincide: ends, and the closest points of lines.
 using HandlePair = std::array<double, 2>;
 std::vector<HandlePair> candidates(const DeformHandle& a, const DeformHandle& b) {
   std::vector<HandlePair> pairs{{0, fraction_near(b, a.q)}, {fraction_near(a, b.q), 0}};
@@ -47,7 +47,7 @@ bool conflict(const DeformHandle& a, const DeformHandle& b, double together, dou
 }  // namespace
 
 void check_handle_conflicts(const std::vector<DeformHandle>& handles, double together, double apart) {
-  // In order along the longest side: landmarks may all lie in a plane.
+  // Sorted along the longest side, because landmarks may be coplanar.
   Box3 box;
   for (const DeformHandle& h : handles) box.extend(h.q), box.extend(h.q + h.along_q);
   const Vec3 size = box.size();
@@ -63,7 +63,7 @@ void check_handle_conflicts(const std::vector<DeformHandle>& handles, double tog
       const auto [i, j] = std::minmax(order[k], order[l]);
       if (conflict(handles[i], handles[j], together, apart))
         throw ArgumentError("handles " + std::to_string(i + 1) + " and " + std::to_string(j + 1) +
-                            " went to the same place from different ones: remove or move one of them");
+                            " have one target but different origins: remove or move one of them");
     }
   }
 }

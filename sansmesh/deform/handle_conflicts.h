@@ -1,4 +1,4 @@
-// Handles that say different things about one place.
+// Detects contradictory handles.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Throws ArgumentError naming two handles (counted from 1) that went to the same place, nearer than `together`, from
-/// places farther apart than `apart`.
+/// Throws ArgumentError naming two handles (counted from 1) with targets closer than `together` and origins farther
+/// apart than `apart`.
 void check_handle_conflicts(const std::vector<DeformHandle>& handles, double together, double apart);
 
 }  // namespace sansmesh::inline v1::detail

@@ -6,11 +6,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <set>
+#include <optional>
 #include <string_view>
 
-#include "sansmesh/core/json_text-inl.h"
+#include "sansmesh/core/json_fields-inl.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
@@ -18,143 +17,88 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using HandleJson = nlohmann::ordered_json;
-
-/// Errors name the file, the handle and the key.
-struct HandlePlace {
-  const std::string& file;
-  std::string where;
-
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw FileError(file, where.empty() ? cause : where + ": " + cause);
-  }
-};
-
-void check_keys(const HandleJson& json, std::initializer_list<std::string_view> known, const HandlePlace& at) {
-  for (const auto& [key, value] : json.items())
-    if (std::find(known.begin(), known.end(), key) == known.end()) {
-      std::string all;
-      for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
-      at.fail(fmt::format("unknown key '{}'; known: {}", printable(key, 40), all));
-    }
-}
-
-double handle_number(const HandleJson& json, const char* key, const HandlePlace& at) {
-  if (!json.is_number() || !std::isfinite(json.get<double>())) at.fail(fmt::format("'{}' must be a number", key));
-  return json.get<double>();
-}
-
-Vec3 handle_vector(const HandleJson& json, const char* key, const HandlePlace& at) {
-  if (!json.is_array() || json.size() != 3) at.fail(fmt::format("'{}' must be three numbers, [x, y, z]", key));
-  Vec3 v;
-  for (std::size_t k = 0; k < 3; ++k) v[k] = handle_number(json[k], key, at);
-  return v;
-}
+using detail::JsonFields;
+using detail::JsonValue;
 
 constexpr double kRounding = 1e-15;
 
-/// The direction with length 1. One that has it but for rounding stays as it is: files read back as they were written.
+/// Normalises a direction unless it is unit up to rounding, so that files are read back exactly.
 Vec3 unit_direction(const Vec3& v) { return std::abs(norm(v) - 1) <= kRounding ? v : normalized(v); }
 
-Vec3 handle_direction(const HandleJson& json, const char* key, const HandlePlace& at) {
-  const Vec3 v = handle_vector(json, key, at);
-  if (!(norm(v) > 0)) at.fail(fmt::format("'{}' holds a direction of length 0", key));
+Vec3 unit_direction_of(const JsonFields& f, const char* key) {
+  const Vec3 v = f.vector(key);
+  if (!(norm(v) > 0)) f.fail(fmt::format("'{}' has no direction", key));
   return unit_direction(v);
 }
 
-/// The objects `before` and `after` of a direction or a frame.
-std::array<const HandleJson*, 2> before_after(const HandleJson& json, const char* key, const HandlePlace& at) {
-  if (!json.is_object()) at.fail(fmt::format("'{}' must be an object with 'before' and 'after'", key));
-  check_keys(json, {"before", "after"}, {at.file, fmt::format("{}, '{}'", at.where, key)});
-  for (const char* const side : {"before", "after"})
-    if (!json.contains(side)) at.fail(fmt::format("'{}' lacks '{}'", key, side));
-  return {&json["before"], &json["after"]};
-}
-
-/// Three directions at right angles to each other, and right-handed: a little off by rounding is put right.
-std::array<Vec3, 3> frame_of(const HandleJson& json, const HandlePlace& at) {
+/// Three orthogonal, right-handed directions; rounding errors are corrected.
+std::array<Vec3, 3> frame_of(const JsonFields& f, const char* key) {
   constexpr double kOff = 1e-3;
-  if (!json.is_array() || json.size() != 3) at.fail("'frame' must hold three directions before and three after");
-  std::array<Vec3, 3> f;
-  for (std::size_t k = 0; k < 3; ++k) f[k] = handle_direction(json[k], "frame", at);
-  if (std::abs(dot(f[0], f[1])) > kOff || std::abs(dot(f[1], f[2])) > kOff || std::abs(dot(f[2], f[0])) > kOff)
-    at.fail("the directions of 'frame' must be at right angles to each other");
-  if (const double off = dot(f[0], f[1]); std::abs(off) > kRounding) f[1] = unit_direction(f[1] - f[0] * off);
-  const Vec3 third = cross(f[0], f[1]);
-  if (dot(third, f[2]) < 0) at.fail("the directions of 'frame' must be right-handed: a turn cannot mirror");
-  f[2] = third;
-  return f;
+  const JsonValue& json = f.at(key);
+  if (!json.is_array() || json.size() != 3) f.fail(fmt::format("'{}' must hold three directions", key));
+  std::array<Vec3, 3> axes;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::optional<Vec3> v = detail::json_vector(json[k]);
+    if (!v || !(norm(*v) > 0)) f.fail(fmt::format("'{}' must hold three directions of three numbers", key));
+    axes[k] = unit_direction(*v);
+  }
+  const auto [a, b, c] = axes;
+  if (std::abs(dot(a, b)) > kOff || std::abs(dot(b, c)) > kOff || std::abs(dot(c, a)) > kOff)
+    f.fail(fmt::format("the directions of '{}' must be at right angles to each other", key));
+  if (const double off = dot(a, b); std::abs(off) > kRounding) axes[1] = unit_direction(b - a * off);
+  const Vec3 third = cross(axes[0], axes[1]);
+  if (dot(third, c) < 0)
+    f.fail(fmt::format("the directions of '{}' must be right-handed: a rotation cannot mirror", key));
+  axes[2] = third;
+  return axes;
 }
 
-Handle handle_of(const HandleJson& json, const HandlePlace& at) {
-  if (!json.is_object()) at.fail("must be an object with 'p' and 'q'");
-  check_keys(json, {"p", "q", "p_end", "q_end", "weight", "group", "reach", "normal", "frame"}, at);
-  if (!json.contains("p")) at.fail("'p', its place before, is missing");
+Handle handle_of(const JsonFields& f) {
   Handle h;
-  h.p = handle_vector(json["p"], "p", at);
-  h.q = json.contains("q") ? handle_vector(json["q"], "q", at) : h.p;
-  if (json.contains("p_end")) {
-    h.p_end = handle_vector(json["p_end"], "p_end", at);
-    if (json.contains("q") != json.contains("q_end"))
-      at.fail(json.contains("q") ? "'q_end', the place of the segment's end after, is missing"
-                                 : "'q', the place of the segment's begin after, is missing");
-    h.q_end = json.contains("q_end") ? handle_vector(json["q_end"], "q_end", at) : *h.p_end;
-    if (*h.p_end == h.p) at.fail("the segment has no length: 'p_end' is 'p'");
-  } else if (json.contains("q_end")) {
-    at.fail("'q_end' needs 'p_end'");
+  h.p = f.vector("p");
+  h.q = f.has("q") ? f.vector("q") : h.p;
+  if (f.has("p_end")) {
+    h.p_end = f.vector("p_end");
+    if (f.has("q") != f.has("q_end"))
+      f.fail(f.has("q") ? "'q_end', the segment's end after the deformation, is missing"
+                        : "'q', the segment's begin after the deformation, is missing");
+    h.q_end = f.has("q_end") ? f.vector("q_end") : *h.p_end;
+    if (*h.p_end == h.p) f.fail("the segment has no length: 'p_end' is 'p'");
+  } else if (f.has("q_end")) {
+    f.fail("'q_end' needs 'p_end'");
   }
-  if (json.contains("weight")) {
-    h.weight = handle_number(json["weight"], "weight", at);
-    if (!(h.weight > 0)) at.fail("'weight' must be positive");
+  if (f.has("weight")) h.weight = f.number("weight");
+  if (!(h.weight > 0)) f.fail("'weight' must be positive");
+  f.get("reach", h.reach, &JsonFields::number);
+  if (h.reach && !(*h.reach > 0)) f.fail("'reach' must be a positive length");
+  if (f.has("group")) h.group = f.text("group");
+  if (f.has("normal") && f.has("frame")) f.fail("give 'normal' or 'frame', not both");
+  if (f.has("normal")) {
+    const JsonFields n(f.at("normal"), f.where("normal"), {"before", "after"});
+    h.directions = {{unit_direction_of(n, "before"), unit_direction_of(n, "after")}};
   }
-  if (json.contains("reach")) {
-    h.reach = handle_number(json["reach"], "reach", at);
-    if (!(*h.reach > 0)) at.fail("'reach' must be a positive length");
-  }
-  if (json.contains("group")) {
-    if (!json["group"].is_string()) at.fail("'group' must be a text");
-    h.group = json["group"].get<std::string>();
-  }
-  if (json.contains("normal") && json.contains("frame")) at.fail("give 'normal' or 'frame', not both");
-  if (json.contains("normal")) {
-    const auto [before, after] = before_after(json["normal"], "normal", at);
-    h.directions = {{handle_direction(*before, "normal", at), handle_direction(*after, "normal", at)}};
-  }
-  if (json.contains("frame")) {
-    const auto [before, after] = before_after(json["frame"], "frame", at);
-    const std::array<Vec3, 3> a = frame_of(*before, at), b = frame_of(*after, at);
+  if (f.has("frame")) {
+    const JsonFields n(f.at("frame"), f.where("frame"), {"before", "after"});
+    const std::array<Vec3, 3> a = frame_of(n, "before"), b = frame_of(n, "after");
     for (std::size_t k = 0; k < 3; ++k) h.directions.push_back({a[k], b[k]});
   }
-  if (h.reach && h.directions.empty()) at.fail("'reach' is of a 'normal' or a 'frame': there is none");
+  if (h.reach && h.directions.empty()) f.fail("'reach' needs a 'normal' or a 'frame'");
   return h;
 }
 
-std::vector<Handle> handles_of_json(const std::string& text, const std::string& name) {
-  const HandlePlace file{name, {}};
-  HandleJson json;
-  try {
-    // Of two keys in an object the last would win, silently.
-    std::vector<std::set<std::string>> keys;
-    json = detail::parse_json<HandleJson>(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
-      if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
-      if (event == HandleJson::parse_event_t::object_end) keys.pop_back();
-      if (event == HandleJson::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        file.fail(fmt::format("key '{}' stands twice in an object", printable(value.get<std::string>(), 40)));
-      return true;
-    });
-  } catch (const ArgumentError& error) {
-    file.fail(error.what());
-  }
-  if (!json.is_object()) file.fail("must be an object with 'handles'");
-  check_keys(json, {"handles"}, file);
-  if (!json.contains("handles") || !json["handles"].is_array()) file.fail("'handles' must be a list");
+std::vector<Handle> handles_of_json(const std::string& text) {
+  const JsonValue json = detail::parse_json_once(text);
+  const JsonFields file(json, "", {"handles"});
+  if (!file.at("handles").is_array()) file.fail("'handles' must be a list");
   std::vector<Handle> handles;
-  for (const HandleJson& h : json["handles"])
-    handles.push_back(handle_of(h, {name, fmt::format("handle {}", handles.size() + 1)}));
+  for (const JsonValue& h : file.at("handles"))
+    handles.push_back(handle_of({h,
+                                 fmt::format("handle {}", handles.size() + 1),
+                                 {"p", "q", "p_end", "q_end", "weight", "group", "reach", "normal", "frame"}}));
   return handles;
 }
 
-/// The numbers of a row; nothing where a word is none.
+/// Parses the numbers of a row; false if a word is not a number.
 bool numbers_of(std::string_view line, std::vector<double>& numbers) {
   numbers.clear();
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -177,17 +121,17 @@ bool numbers_of(std::string_view line, std::vector<double>& numbers) {
   }
 }
 
-/// Whether a row begins like one of numbers, so that it is no names of columns.
+/// Whether a row begins with a number, as opposed to column names.
 bool row_of_numbers(std::string_view row) {
   const std::size_t first = row.find_first_not_of(" \t\r+-.");
   return first != std::string_view::npos && row[first] >= '0' && row[first] <= '9';
 }
 
-std::vector<Handle> handles_of_table(const std::string& text, const std::string& name) {
+std::vector<Handle> handles_of_table(const std::string& text) {
   std::vector<Handle> handles;
   std::vector<double> n;
   std::size_t line = 0;
-  bool named = false;  // the names of the columns have been passed
+  bool named = false;  // the header row has been skipped
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view row(text.data() + begin, end - begin);
@@ -195,46 +139,52 @@ std::vector<Handle> handles_of_table(const std::string& text, const std::string&
     ++line;
     const std::size_t first = row.find_first_not_of(" \t\r");
     if (first == std::string_view::npos || row[first] == '#') continue;
-    const HandlePlace at{name, fmt::format("line {}", line)};
+    const auto fail = [line](const std::string& cause) {
+      throw ArgumentError(fmt::format("line {}: {}", line, cause));
+    };
     if (!numbers_of(row, n)) {
       if (handles.empty() && !named && !row_of_numbers(row)) {
         named = true;
         continue;
       }
-      at.fail("must hold numbers: px,py,pz,qx,qy,qz and maybe a weight");
+      fail("must hold numbers: px,py,pz,qx,qy,qz and maybe a weight");
     }
     if (n.size() != 6 && n.size() != 7)
-      at.fail(fmt::format("must hold px,py,pz,qx,qy,qz and maybe a weight, not {}", counted(n.size(), "number")));
+      fail(fmt::format("must hold px,py,pz,qx,qy,qz and maybe a weight, not {}", counted(n.size(), "number")));
     Handle h;
     h.p = {n[0], n[1], n[2]}, h.q = {n[3], n[4], n[5]};
     if (n.size() == 7) h.weight = n[6];
-    if (!(h.weight > 0)) at.fail("the weight must be positive");
+    if (!(h.weight > 0)) fail("the weight must be positive");
     handles.push_back(h);
   }
   return handles;
 }
 
-HandleJson json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+JsonValue json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
 std::vector<Handle> parse_handles(const std::string& whole, const std::string& name) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";  // that some editors put before UTF-8
+  constexpr std::string_view kMark = "\xef\xbb\xbf";  // byte order mark before UTF-8
   const std::string text = whole.starts_with(kMark) ? whole.substr(kMark.size()) : whole;
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) throw FileError(name, "is empty");
-  std::vector<Handle> handles =
-      text[first] == '{' || text[first] == '[' ? handles_of_json(text, name) : handles_of_table(text, name);
-  if (handles.empty()) throw FileError(name, "holds no handles");
-  return handles;
+  try {
+    std::vector<Handle> handles =
+        text[first] == '{' || text[first] == '[' ? handles_of_json(text) : handles_of_table(text);
+    if (handles.empty()) throw ArgumentError("holds no handles");
+    return handles;
+  } catch (const ArgumentError& error) {
+    throw FileError(name, error.what());
+  }
 }
 
 std::vector<Handle> read_handles(const std::string& file) { return parse_handles(read_text(file), file); }
 
 std::string handles_json(std::span<const Handle> handles) {
-  HandleJson all = HandleJson::array();
+  JsonValue all = JsonValue::array();
   for (const Handle& h : handles) {
-    HandleJson one;
+    JsonValue one;
     one["p"] = json_of(h.p), one["q"] = json_of(h.q);
     if (h.p_end) one["p_end"] = json_of(*h.p_end);
     if (h.q_end) one["q_end"] = json_of(*h.q_end);
@@ -244,20 +194,20 @@ std::string handles_json(std::span<const Handle> handles) {
     if (h.directions.size() == 1)
       one["normal"] = {{"before", json_of(h.directions[0].before)}, {"after", json_of(h.directions[0].after)}};
     if (h.directions.size() == 3) {
-      HandleJson before, after;
+      JsonValue before, after;
       for (const TurnedDirection& d : h.directions)
         before.push_back(json_of(d.before)), after.push_back(json_of(d.after));
       one["frame"] = {{"before", before}, {"after", after}};
     }
     all.push_back(std::move(one));
   }
-  return HandleJson{{"handles", std::move(all)}}.dump(2, ' ', false, HandleJson::error_handler_t::replace) + "\n";
+  return JsonValue{{"handles", std::move(all)}}.dump(2, ' ', false, JsonValue::error_handler_t::replace) + "\n";
 }
 
 std::vector<Handle> handles_of_pair(const PointSet& before, const PointSet& after,
                                     std::span<const std::uint32_t> vertices) {
   if (before.size() != after.size())
-    throw ArgumentError(fmt::format("registered meshes have as many vertices, but one has {} and the other {}",
+    throw ArgumentError(fmt::format("registered meshes need equal numbers of vertices, not {} and {}",
                                     grouped(before.size()), grouped(after.size())));
   std::vector<Handle> handles;
   for (const std::uint32_t v : vertices) {
@@ -280,7 +230,7 @@ std::vector<std::uint32_t> spread_vertices_of(const PointSet& points, std::size_
     if (is_finite(p)) mean += Vec3(p), ++finite;
   if (finite == 0) return chosen;
   mean = mean / static_cast<double>(finite);
-  // Squared distance from the chosen ones; from the mean while there are none.
+  // Squared distance from the chosen vertices; initially from the mean.
   std::vector<double> away(n, 0);
   for (std::size_t i = 0; i < n; ++i)
     if (is_finite(points.positions[i])) away[i] = squared_norm(Vec3(points.positions[i]) - mean);

@@ -18,7 +18,7 @@ Vec3 turned(const Vec3& v, const Vec3& axis, double angle) {
   return v * c + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - c));
 }
 
-/// A rotation by `angle` about the line through `point` along `axis`, and a way along it.
+/// A rotation by `angle` about the line through `point` along `axis`, and a translation along it.
 struct Screw {
   Vec3 axis{0, 0, 1}, point, way;
   double angle = 0;
@@ -34,13 +34,13 @@ struct AxisAngle {
   double angle = 0;
 };
 
-/// Of the rotation with these rows.
+/// Axis and angle of the rotation with these rows.
 AxisAngle axis_angle(const detail::Rows3& r) {
   const Vec3 k{r[2].y - r[1].z, r[0].z - r[2].x, r[1].x - r[0].y};  // 2 sin(angle) axis
   const double s = 0.5 * norm(k), c = 0.5 * (r[0].x + r[1].y + r[2].z - 1), angle = std::atan2(s, c);
   if (angle < kNoTurn) return {};
   if (c > 0) return {normalized(k), angle};
-  // Towards half a turn the sine says little: the symmetric part is c I + (1 - c) e eᵀ; of e eᵀ the longest row.
+  // Near half a turn the sine is inaccurate: the symmetric part is c I + (1 - c) e eᵀ; use the longest row of e eᵀ.
   Vec3 axis;
   for (std::size_t i = 0; i < 3; ++i) {
     Vec3 row = (r[i] + Vec3{r[0][i], r[1][i], r[2][i]}) * 0.5;
@@ -51,7 +51,7 @@ AxisAngle axis_angle(const detail::Rows3& r) {
   return {dot(axis, k) < 0 ? -axis : axis, angle};
 }
 
-/// From one unit vector to another.
+/// Smallest rotation from one unit vector to another.
 AxisAngle smallest_turn(const Vec3& from, const Vec3& to) {
   const Vec3 axis = cross(from, to);
   const double angle = std::atan2(norm(axis), dot(from, to));
@@ -62,20 +62,20 @@ AxisAngle smallest_turn(const Vec3& from, const Vec3& to) {
   return {side, angle};
 }
 
-/// The screw that carries what turns by a rotation from one place to another.
+/// The screw motion with a given rotation that takes one point to another.
 Screw screw_of(const AxisAngle& turn, const Vec3& from, const Vec3& to) {
   Screw screw;
   screw.way = to - from;
   if (turn.angle == 0) return screw;
   screw.axis = turn.axis, screw.angle = turn.angle;
   const Vec3 along = turn.axis * dot(turn.axis, screw.way), across = screw.way - along;
-  // The chord `across` is seen from the axis under the angle.
+  // From the axis, the chord `across` subtends the rotation angle.
   screw.point = from + across * 0.5 + cross(turn.axis, across) * (0.5 / std::tan(0.5 * turn.angle));
   screw.way = along;
   return screw;
 }
 
-/// What of handles has a place: their points and the ends of segments.
+/// Points of handles: positions and segment ends.
 struct MovedPoint {
   Vec3 p, q;
   double weight;
@@ -92,7 +92,7 @@ Screw screw_of(std::span<const Handle> handles, std::span<const std::size_t> of)
   double sum = 0;
   for (const MovedPoint& m : points) p += m.p * m.weight, q += m.q * m.weight, sum += m.weight;
   p = p / sum, q = q / sum;
-  // Σ w q pᵀ of what lies around the means; directions count as points as far away as the others are on average.
+  // Σ w q pᵀ about the means; directions count as points at the mean distance of the others.
   detail::Rows3 b{};
   const auto add = [&b](const Vec3& from, const Vec3& to, double weight) {
     for (std::size_t k = 0; k < 3; ++k) b[k] += from * (to[k] * weight);
@@ -130,7 +130,7 @@ std::vector<Handle> handles_at(std::span<const Handle> handles, double share) {
     const auto place = [&](const Vec3& p, const Vec3& q) { return screw(p, share) + (q - screw(p, 1)) * share; };
     h.q = place(h.p, h.q);
     if (h.p_end) h.q_end = place(*h.p_end, *h.q_end);
-    // What is left for each direction beside its group's turn.
+    // Remaining rotation of the directions after that of the group.
     if (h.directions.empty()) continue;
     detail::Rows3 rest{};
     for (const TurnedDirection& d : h.directions) {

@@ -1,4 +1,4 @@
-// Handles on their way: poses between before and after the deformation.
+// Interpolation of handles between the poses before and after a deformation.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// The handles as far as they are at a share of the way, 0..1 (other shares go on). Those of one group move as one body
-/// on a screw, the rotation and translation that fits their way best, and what is left of each handle's way grows
-/// straight with the share; handles of no group, and groups that do not turn, move on straight lines. Directions turn
-/// with their group, or by the shortest way. At 0 all are where they were before, at 1 where they are after.
+/// The handles at a fraction of the motion, 0..1 (other values extrapolate). Handles of one group move as a rigid body
+/// on a screw motion, the rotation and translation that fit their displacements best; the remaining displacement of
+/// each handle grows linearly. Handles without a group, and groups that do not rotate, move on straight lines.
+/// Directions rotate with their group, or by the smallest rotation. 0 gives the positions before, 1 those after.
 std::vector<Handle> handles_at(std::span<const Handle> handles, double share);
 
 }  // namespace sansmesh::inline v1

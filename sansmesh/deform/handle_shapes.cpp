@@ -18,8 +18,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kBallLevels = 2;          // of an octahedron: 128 triangles
-constexpr double kThin = 0.35;          // of rods and arrows, in radii of the balls
+constexpr int kBallLevels = 2;          // subdivisions of an octahedron: 128 triangles
+constexpr double kThin = 0.35;          // radius of rods and arrows, in radii of the balls
 constexpr double kDirectionLength = 5;  // in radii
 
 /// The unit ball.
@@ -46,7 +46,7 @@ TriangleMesh unit_ball() {
   return mesh;
 }
 
-/// Puts meshes together, each with its colour, relative to one origin.
+/// Merges meshes, each with its colour, relative to one origin.
 class Shapes {
  public:
   explicit Shapes(const Vec3& origin) { all_.origin = origin; }
@@ -114,7 +114,7 @@ TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t,
   const std::array<std::size_t, 3> n{block.axes[0].size(), block.axes[1].size(), block.axes[2].size()};
   const std::array<std::size_t, 3> stride{1, n[0], n[0] * n[1]};
   mesh.origin = block.origin;
-  // Faces of the cell about a point, corners at half a step.
+  // Faces of the cell around a point; corners at half a step.
   for (std::size_t p = 0; p < determinants->size(); ++p) {
     if (!((*determinants)[p] <= 0)) continue;
     const std::array<std::size_t, 3> i{p % n[0], p / n[0] % n[1], p / n[0] / n[1]};

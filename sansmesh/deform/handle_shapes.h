@@ -1,4 +1,4 @@
-// Handles and folds as something to see.
+// Meshes that show handles and folds.
 #pragma once
 
 #include <array>
@@ -12,16 +12,15 @@
 namespace sansmesh::inline v1 {
 
 struct HandleShapeOptions {
-  double radius = 0;  ///< of the balls, > 0 (length)
+  double radius = 0;  ///< radius of the balls, > 0 (length)
   std::array<std::uint8_t, 3> before{96, 125, 160}, after{214, 88, 38};
 };
 
-/// A ball where each handle was and one where it went, segments as rods, an arrow from the one to the other where it
-/// moved by more than its ball, and arrows along directions. Colours tell before from after.
+/// A ball at each handle's position before and after, segments as rods, an arrow between the two positions if the
+/// handle moves by more than its ball, and arrows along directions. Colours distinguish before and after.
 TriangleMesh handle_shapes(std::span<const Handle> handles, const HandleShapeOptions& options);
 
-/// The cells about the points of a lattice that find_folds() found folded, as one red surface around them; empty where
-/// there are none.
+/// The cells around the lattice points of find_folds() that are folded, as one red surface; empty if there are none.
 TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t, 3>& color = {222, 30, 30});
 
 }  // namespace sansmesh::inline v1

@@ -8,14 +8,14 @@
 #include <mutex>
 #include <vector>
 
-#include "sansmesh/deform/free_ways.h"
+#include "sansmesh/deform/detour_lattice.h"
 #include "sansmesh/deform/triangle_sheet.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kGrowth = 0.5;  // of the diagonal: default domain
+constexpr double kGrowth = 0.5;  // margin of the default domain over the diagonal
 
 Box3 domain_of(const Box3& sheet, const MeshOccluderOptions& options) {
   Box3 box = sheet;
@@ -31,14 +31,11 @@ Box3 domain_of(const Box3& sheet, const MeshOccluderOptions& options) {
 class MeshOccluder final : public Occluder {
  public:
   MeshOccluder(const TriangleMesh& mesh, const MeshOccluderOptions& options)
-      : sheet_(mesh), ways_(sheet_, domain_of(sheet_.bounds(), options), options.resolution) {}
+      : sheet_(mesh), lattice_(sheet_, domain_of(sheet_.bounds(), options), options.resolution) {}
 
   void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const override {
     const std::vector<float>& extras = extras_from(handle);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const FreeWays::Value v = ways_.interpolate(extras, x[i]);
-      found[i] = {v.value, v.gradient};
-    }
+    for (std::size_t i = 0; i < x.size(); ++i) found[i] = lattice_.interpolate(extras, x[i]);
   }
 
   void gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const std::array<Vec3, 3>> jacobians,
@@ -79,11 +76,11 @@ class MeshOccluder final : public Occluder {
       const std::lock_guard lock(mutex_);
       entry = &handles_[{handle.x, handle.y, handle.z}];
     }
-    std::call_once(entry->once, [&] { entry->extras = ways_.extras(handle); });
+    std::call_once(entry->once, [&] { entry->extras = lattice_.extra_lengths(handle); });
     return entry->extras;
   }
 
-  /// The segment does not cross.
+  /// Gap of a segment that does not cross.
   Gap without(const Vec3& x, const Vec3& u, const std::array<Vec3, 3>* jacobian) const {
     const TriangleSheet::Nearest n = sheet_.nearest(x, u, std::numeric_limits<double>::infinity());
     Gap gap{-n.distance, {}};
@@ -106,7 +103,7 @@ class MeshOccluder final : public Occluder {
     const double between = twice ? 0.5 * norm(crossings.back().point - first.point) : kAnywhere;
     Gap gap{std::min({apart, border.distance, between}), {}};
     if (!jacobian) return gap;
-    const auto moved = [&](const TriangleSheet::Crossing& c, std::size_t k) {  // where the crossing goes
+    const auto moved = [&](const TriangleSheet::Crossing& c, std::size_t k) {  // velocity of the crossing
       const std::array<Vec3, 3> t = sheet_.corners(c.triangle);
       const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
       Vec3 by = (*jacobian)[k] * c.share;
@@ -129,7 +126,7 @@ class MeshOccluder final : public Occluder {
   }
 
   TriangleSheet sheet_;
-  FreeWays ways_;
+  DetourLattice lattice_;
   mutable std::mutex mutex_;
   mutable std::map<std::array<double, 3>, Entry> handles_;
 };

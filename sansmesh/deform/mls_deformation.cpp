@@ -20,10 +20,10 @@ constexpr std::size_t kMapBatch = 256;
 struct MlsDeformation::State {
   detail::DeformSetup setup;
   std::vector<std::shared_ptr<const Occluder>> cuts;
-  std::optional<detail::PointMap> points;  ///< finds positions, where there is nothing but points
+  std::optional<detail::PointMap> points;  ///< vectorised positions, if all handles are points
 
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const;
-  /// From handle h to x[i]: [h x.size() + i]; empty without cuts.
+  /// Detours from handle h to x[i] at [h x.size() + i]; empty without cuts.
   std::vector<Detour> ways_around(std::span<const Vec3> x) const;
   void map_one_by_one(std::span<const Vec3> x, std::span<const Detour> ways, std::span<Vec3> positions,
                       std::span<Jacobian> jacobians) const;

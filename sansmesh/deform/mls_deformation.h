@@ -1,5 +1,5 @@
-// Deformation of space by moving least squares: the map that best carries handles to where they went, weighted by their
-// distance from each place (METHODS §7.1; thesis 6.4; Schaefer et al. 2006; Cuno et al. 2007).
+// Deformation of space by moving least squares: at each point, the map that best carries the handles to their targets,
+// weighted by their distances (tejada2008, 6.4; schaefer2006; cuno2007).
 #pragma once
 
 #include <memory>
@@ -11,15 +11,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// From places after the deformation back to those before it (weights by distances from where the handles went). The
-/// forward map, for meshes and clouds, is that of reversed(handles). Interpolates: at handles, and all along those that
-/// are segments, it is exact, and for `alpha` above 0.5 its Jacobian is the limit. Handles without size that are the
-/// same twice count twice. All handles of a rigid map may lie on a line or be one: then nothing turns more than it
-/// must. Positions are NaN where x is not finite.
+/// Maps points after the deformation back to those before it (weights by distances from the targets). The forward map,
+/// for meshes and clouds, is that of reversed(handles). Interpolates: the map is exact at handles and along segments,
+/// and for `alpha` above 0.5 its Jacobian is the limit there. Duplicate point handles count twice. All handles of a
+/// rigid map may be collinear or coincide; the rotation is then the smallest possible. Positions are NaN where x is not
+/// finite.
 class MlsDeformation final : public SpaceMap {
  public:
-  /// Throws ArgumentError naming what is wrong with which handle (counted from 1), or with all of them for the kind,
-  /// and the remedy.
+  /// Throws ArgumentError that names the fault of a handle (counted from 1) or of the whole set for this kind, and the
+  /// remedy.
   MlsDeformation(const std::vector<Handle>& handles, const MlsDeformationOptions& options,
                  std::vector<std::shared_ptr<const Occluder>> cuts = {});
   ~MlsDeformation() override;

@@ -9,14 +9,14 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kDropped = 1e-20;  // squared, of what is left of a polynomial over what it was
+constexpr double kDropped = 1e-20;  // squared relative norm below which a dependent polynomial is dropped
 
-/// Weighted means, relative to the heaviest node: what is far heavier than the rest then costs no digits.
+/// Weighted means relative to the heaviest node, which avoids cancellation if it is much heavier than the rest.
 struct NodeMeans {
   Vec3 origin_q, origin_p;
-  Vec3 q, p;  ///< less the origins
+  Vec3 q, p;  ///< relative to the origins
   double weight = 0;
-  std::array<Vec3, 3> q_rate{}, p_rate{};  ///< [k] by x_k
+  std::array<Vec3, 3> q_rate{}, p_rate{};  ///< derivative [k] with respect to x_k
 
   Vec3 hat_q(const WeightedNode& n) const { return n.q - origin_q - q; }
   Vec3 hat_p(const WeightedNode& n) const { return n.p - origin_p - p; }
@@ -37,8 +37,8 @@ NodeMeans means_of(const NodesFrom& from) {
   return m;
 }
 
-/// Polynomials orthonormal in the weighted inner product of the nodes, and orthogonal to constants: values at the
-/// nodes, then at x, then the slopes there.
+/// Polynomials orthonormal in the weighted inner product of the nodes, and orthogonal to constants. Columns hold the
+/// values at the nodes, then at x, then the slopes at x.
 FittedPlace fit_polynomials(const DeformSetup& setup, const NodesFrom& from, const NodeMeans& m, const Vec3& x,
                             bool jacobian, std::vector<double>& columns) {
   const std::size_t n = from.nodes.size(), terms = setup.terms.count, stride = n + 4;
@@ -91,7 +91,8 @@ FittedPlace fit_polynomials(const DeformSetup& setup, const NodesFrom& from, con
   }
   fit.position = m.origin_p + (m.p + value);
   if (!jacobian) return fit;
-  // As the weights change: Σ ∂w_i K(x, q_i) (p_i − P(q_i)), K the kernel of the orthonormal polynomials.
+  // Derivative with respect to the weights: Σ ∂w_i K(x, q_i) (p_i − P(q_i)), K the kernel of the orthonormal
+  // polynomials.
   for (std::size_t i = 0; i < n; ++i) {
     double kernel = 1 / m.weight;
     for (std::size_t j = 0; j < terms; ++j) kernel += columns[j * stride + n] * columns[j * stride + i];
@@ -100,12 +101,12 @@ FittedPlace fit_polynomials(const DeformSetup& setup, const NodesFrom& from, con
   return fit;
 }
 
-/// A turn as a function of the weights: how it acts, and the rate of that.
+/// A rotation that depends on the weights, with its derivative.
 struct NodeTurn {
   Rows3 b{};  ///< Σ w p qᵀ
   Rows3 r{};
   SmallestTurn line;
-  double line_length = 0;  ///< of the vector that one end of the turn is the direction of
+  double line_length = 0;  ///< length of the vector that defines one direction of the rotation
   HandleLine on = HandleLine::none;
   Vec3 line_direction;
 
@@ -114,7 +115,7 @@ struct NodeTurn {
   }
 };
 
-/// Σ w (component along the line of the one) (the other).
+/// Σ w (component of one along the line) (the other).
 Vec3 line_moment(const NodesFrom& from, const NodeMeans& m, const NodeTurn& t, int slope) {
   Vec3 sum;
   for (const WeightedNode& n : from.nodes) {

@@ -1,4 +1,4 @@
-// The map that carries weighted nodes best, at one place.
+// Weighted fit of the local map at one point.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ struct FittedPlace {
   Jacobian jacobian{};
 };
 
-/// Where x comes from by the map of the setup's kind, and if wanted the derivatives of that as a function of x, weights
+/// The source of x under the map of the setup's kind and, if `jacobian`, the derivatives with respect to x, weights
 /// included. `scratch` is reused.
 FittedPlace fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
                       std::vector<double>& scratch);

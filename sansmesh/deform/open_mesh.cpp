@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kFaceEdges = 3;  // of the mean length: faces are flat, and finer where they meet the mesh
+constexpr double kFaceEdges = 3;  // over the mean length: faces are flat, and finer where they meet the mesh
 
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0, n = 0;
@@ -27,8 +27,8 @@ double mean_edge(const TriangleMesh& mesh) {
   return n > 0 ? sum / n : 0;
 }
 
-/// Along the axes along which the mesh is farther from its origin than it is large the origin moves to its middle:
-/// vertices keep their places to the last bit, and new ones are rounded less.
+/// Moves the origin to the mesh's centre along axes along which the mesh is farther from its origin than its size:
+/// vertices keep their exact positions, and new ones are rounded less.
 void bring_origin_near(TriangleMesh& mesh) {
   Box3 box;
   for (const Vec3f& v : mesh.vertices)
@@ -59,7 +59,7 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   const bool solid = options.close && measure_topology(mesh).closed();
   const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
   const bool inward = solid && measure_size(mesh).volume < 0;
-  bool closed = solid;  // still
+  bool closed = solid;  // the mesh is still closed
   if (!cuts.empty()) bring_origin_near(mesh);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const std::shared_ptr<const Occluder>& cut = cuts[i];
@@ -79,10 +79,10 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
 namespace {
 
 constexpr ReportRow kOpenMeshReportRows[] = {
-    reported<&OpenMeshReport::edges>({.text = "Edges along which it was opened"}),
+    reported<&OpenMeshReport::edges>({.text = "Edges along which the mesh was opened"}),
     reported<&OpenMeshReport::faces>({.text = "Triangles of cut faces"}),
-    reported<&OpenMeshReport::unopened>({.text = "Triangles that were left whole"}),
-    reported<&OpenMeshReport::unclosed>({.text = "Cuts that left something open"})};
+    reported<&OpenMeshReport::unopened>({.text = "Triangles that could not be opened"}),
+    reported<&OpenMeshReport::unclosed>({.text = "Cuts that left the mesh open"})};
 
 }  // namespace
 

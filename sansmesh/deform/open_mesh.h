@@ -1,4 +1,4 @@
-// Meshes opened along cuts, so that a deformation can part them.
+// Opens meshes along cuts, so that a deformation can separate the two sides.
 #pragma once
 
 #include <cstddef>
@@ -14,25 +14,25 @@
 namespace sansmesh::inline v1 {
 
 struct OpenMeshOptions {
-  /// Triangles that a cut passes in a less simple way than from one place of their border to another, or from one to
-  /// the cut's own border, are cut in four up to so often, 0..12.
+  /// Triangles that a cut crosses other than between two points of their border, or between one and the end of the cut,
+  /// are divided in four, up to this number of times; 0..12.
   int refinements = 6;
-  /// Whether closed meshes become closed again, by faces along what half-planes and polygons cut of them. Normals of
-  /// vertices are then left out: at the edges of these faces there are two.
+  /// Whether closed meshes are closed again by faces along the parts of half-planes and polygons inside them. Vertex
+  /// normals are then dropped, because there are two at the edges of these faces.
   bool close = false;
-  /// Edges within these faces are at most so long; > 0. Default: three times the mean length of the mesh's edges.
+  /// Largest edge length within these faces; > 0. Default: three times the mesh's mean edge length.
   std::optional<double> face_edges = {};
 
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// Splits the edges that a cut crosses, and the triangles at them, and doubles the vertices on the cut but for those at
-/// its border, where the slit ends: what belongs to one side of the cut is no longer connected with the other. Vertices
-/// within a thousandth of an edge from the cut are moved onto it. One cut after the other. Nothing moves: the copies
-/// lie in the same place, and carry as an attribute named kCutSide from where they are to be deformed (deform_mesh).
-/// The origin moves near where the mesh is farther from it than it is large. Within a triangle the cut is taken as
-/// straight. Clouds need none of this: each point is on one side or on the other.
+/// Splits the edges and triangles that a cut crosses, and doubles the vertices on the cut except at its border, where
+/// the slit ends: the two sides are then disconnected. Vertices within a thousandth of an edge from the cut are moved
+/// onto it. Cuts are processed sequentially. Vertices do not move apart: copies coincide, and their attribute kCutSide
+/// gives the offset at which the deformation is evaluated (deform_mesh). The origin moves near a mesh that is farther
+/// from it than its size. Within a triangle the cut is taken as straight. Clouds need no opening: each point is on one
+/// side.
 TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<const Occluder>> cuts,
                              const OpenMeshOptions& options = {}, OpenMeshReport* report = nullptr);
 

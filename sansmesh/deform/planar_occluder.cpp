@@ -20,11 +20,11 @@ double cross2(const PlanePoint& p, const PlanePoint& q) { return p.a * q.b - p.b
 double dot2(const PlanePoint& p, const PlanePoint& q) { return p.a * q.a + p.b * q.b; }
 bool is_line(const PlaneEdge& e) { return e.length == kEndless; }
 PlanePoint at(const PlaneEdge& e, double t) { return {e.begin.a + e.along.a * t, e.begin.b + e.along.b * t}; }
-/// Places on an edge are clamped to it; lines have no ends.
+/// Parameters on an edge are clamped to it; lines are unbounded.
 double on_edge(const PlaneEdge& e, double t) { return is_line(e) ? t : std::clamp(t, 0.0, e.length); }
 
-/// ‖h − p‖ + ‖p − x‖ − ‖h − x‖ without cancellation where the three lie almost in line: (a + b)² − c² = 2 (ab + u·v),
-/// and ab + u·v = ‖u × v‖² / (ab − u·v).
+/// ‖h − p‖ + ‖p − x‖ − ‖h − x‖ without cancellation for nearly collinear points: (a + b)² − c² = 2 (ab + u·v), and ab +
+/// u·v = ‖u × v‖² / (ab − u·v).
 Detour detour_over(const Vec3& p, const Vec3& h, const Vec3& x) {
   const Vec3 u = h - p, v = x - p, straight = x - h;
   const double a = norm(u), b = norm(v), c = norm(straight), along = dot(u, v);
@@ -35,7 +35,7 @@ Detour detour_over(const Vec3& p, const Vec3& h, const Vec3& x) {
   return result;
 }
 
-/// The best place on an edge for a way between two points, given how far along it they are and how far from its line.
+/// Best bend on an edge for a path between two points, given their positions along it and distances from its line.
 double bend_at(const PlaneEdge& e, double t0, double r0, double t1, double r1) {
   const double sum = r0 + r1;
   return on_edge(e, sum > 0 ? t0 + (t1 - t0) * (r0 / sum) : t0);
@@ -63,7 +63,7 @@ double loop_distance(const std::vector<PlaneEdge>& border, const PlanePoint& p) 
 
 void fail(const std::string& what) { throw ArgumentError(what); }
 
-/// Whether two edges have a point in common that is not the corner between them.
+/// Whether two edges have a common point other than the corner between them.
 bool edges_cross(const PlaneEdge& e, const PlaneEdge& f, bool neighbours) {
   if (neighbours) return false;
   const PlanePoint e1 = at(e, e.length), f1 = at(f, f.length);
@@ -128,8 +128,8 @@ void PlanarOccluder::gaps(std::span<const Vec3> x, std::span<const Vec3> sources
     const Vec3& u = sources[i];
     const double s = height(x[i]), z = height(u), a = std::abs(s), b = std::abs(z), sum = a + b;
     const double side = s >= 0 ? 1 : -1, side_u = z >= 0 ? 1 : -1;
-    const double across = side == side_u ? -1 : 1;  // above 0: they are on different sides
-    const double share = sum > 0 ? a / sum : 0;     // of the way from x to u, where the crossing is
+    const double across = side == side_u ? -1 : 1;  // above 0: on different sides
+    const double share = sum > 0 ? a / sum : 0;     // crossing on the segment from x to u
     const Vec3 way = u - x[i];
     Point inwards;
     const double within = depth(in_plane(x[i] + way * share), &inwards);
@@ -160,7 +160,7 @@ void PlanarOccluder::crossings(const Vec3& a, const Vec3& b, std::vector<double>
 }
 
 void PlanarOccluder::border_points(const Vec3& a, const Vec3& b, const Vec3& c, std::vector<Vec3>& found) const {
-  // The triangle cuts the plane in a segment, from which the border's edges cut points.
+  // The triangle cuts the plane in a segment, which the border's edges intersect.
   const std::array<Vec3, 3> corners = {a, b, c};
   std::array<Point, 2> ends;
   std::size_t n = 0;
@@ -175,7 +175,7 @@ void PlanarOccluder::border_points(const Vec3& a, const Vec3& b, const Vec3& c, 
     for (const Edge& e : border) {
       const double f0 = cross2(e.along, minus(ends[0], e.begin)), f1 = cross2(e.along, minus(ends[1], e.begin));
       if ((f0 > 0) == (f1 > 0)) continue;
-      if (!is_line(e)) {  // the corners lie on different sides of the segment
+      if (!is_line(e)) {  // the corners are on different sides of the segment
         const double g0 = cross2(way, minus(e.begin, ends[0])), g1 = cross2(way, minus(at(e, e.length), ends[0]));
         if ((g0 > 0) == (g1 > 0)) continue;
       }
@@ -193,7 +193,7 @@ std::shared_ptr<const PlanarOccluder> half_plane(const Vec3& edge_point, const V
   if (made->normal_ == Vec3{}) fail("a half-plane has a normal of length 0");
   const Vec3 flat = into - made->normal_ * dot(into, made->normal_);
   if (!(norm(flat) > 1e-9 * norm(into)))
-    fail("a half-plane extends in a direction of its plane, not along its normal nor in none");
+    fail("the direction of a half-plane must be in its plane, neither along the normal nor zero");
   made->b_ = normalized(flat);
   made->a_ = cross(made->b_, made->normal_);
   made->borders_ = {{PlaneEdge{{0, 0}, {1, 0}, kEndless}}};
@@ -205,7 +205,7 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
   const auto name = [](std::size_t l) { return l == 0 ? std::string("a polygon") : "hole " + std::to_string(l); };
   for (std::size_t l = 0; l < loops.size(); ++l)
     if (loops[l].size() < 3)
-      fail(name(l) + " has " + std::to_string(loops[l].size()) + " corners: three are the least");
+      fail(name(l) + " has " + std::to_string(loops[l].size()) + " corners: at least three are needed");
   Box3 box;
   for (const std::vector<Vec3>& loop : loops)
     for (const Vec3& p : loop) {
@@ -241,7 +241,7 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
     made->borders_.push_back(std::move(border));
   }
   std::vector<PlaneEdge> all;
-  std::vector<std::array<std::size_t, 3>> of;  // loop, place in it, size of it
+  std::vector<std::array<std::size_t, 3>> of;  // loop, index in it, size of it
   for (std::size_t l = 0; l < made->borders_.size(); ++l)
     for (std::size_t i = 0; i < made->borders_[l].size(); ++i)
       all.push_back(made->borders_[l][i]), of.push_back({l, i, made->borders_[l].size()});
@@ -250,7 +250,7 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
       const bool neighbours = of[i][0] == of[j][0] && (of[j][1] - of[i][1] == 1 || of[j][1] - of[i][1] == of[i][2] - 1);
       if (edges_cross(all[i], all[j], neighbours)) fail("edges of a polygon cross each other");
     }
-  // As no edges cross, one corner tells of all.
+  // No edges cross, so one corner decides for its loop.
   for (std::size_t l = 1; l < made->borders_.size(); ++l)
     for (std::size_t m = 0; m < made->borders_.size(); ++m) {
       if (m == l) continue;

@@ -24,12 +24,12 @@ using PlaceV = hn::Vec<PlaceTag>;
 
 constexpr std::size_t kWidest = 8;
 
-/// A vector of places, and the handle nearest to each. Everything is relative to that: where it is far heavier than the
-/// rest, this costs no digits, and moments need not be about the means.
+/// A vector of points, with the nearest handle of each. All positions are relative to that handle: this avoids
+/// cancellation if it is much heavier than the rest, and moments need not be taken about the means.
 struct SeenHandles {
   const PointMap& map;
-  double* weights;       ///< of handle h: [lanes h]; the squares of the distances before
-  const double* extras;  ///< of handle h at the first of the places: [stride h]; or null
+  double* weights;       ///< handle h: [lanes h]; before weighting, squared distances
+  const double* extras;  ///< handle h at the first of the points: [stride h]; or null
   std::size_t stride;
   PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 
@@ -44,7 +44,7 @@ struct SeenHandles {
   PlaceV hat_x(std::size_t k) const { return hn::Sub(hn::Sub(x[k], nearest_q[k]), mean_q[k]); }
 };
 
-/// The nearest handles, and the squares of the distances from all.
+/// The nearest handles, and the squared distances from all handles.
 HWY_INLINE void FindNearest(SeenHandles& seen) {
   const PlaceTag d;
   const std::size_t lanes = hn::Lanes(d);
@@ -66,7 +66,7 @@ HWY_INLINE void FindNearest(SeenHandles& seen) {
   }
 }
 
-/// The weight of a handle, which lies at that distance from the nearest.
+/// The weight of a handle, from its distance relative to the nearest.
 HWY_INLINE PlaceV WeightOf(const SeenHandles& seen, std::size_t h, const PlaceV& unit, const PlaceV& floor) {
   const PlaceTag d;
   const PlaceV square = hn::Max(seen.kept(h), floor);
@@ -82,9 +82,9 @@ HWY_INLINE void ClearMeans(SeenHandles& seen) {
   for (std::size_t k = 0; k < 3; ++k) seen.mean_q[k] = seen.mean_p[k] = seen.total;
 }
 
-/// Sums over the handles about the weighted means: Σ w p qᵀ, and where wanted Σ w q qᵀ (xx xy xz yy yz zz).
+/// Sums over the handles about the weighted means: Σ w p qᵀ and, if needed, Σ w q qᵀ (xx xy xz yy yz zz).
 struct Moments {
-  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  // Not implicit: an implicit constructor is compiled for no particular instruction set, which ARM rejects.
   HWY_ATTR Moments() {}
   PlaceV pq[3][3], qq[6];
 };
@@ -131,7 +131,7 @@ HWY_INLINE Moments SumMoments(SeenHandles& seen) {
   return m;
 }
 
-/// Weights in the place of squares, and the means.
+/// Replaces squared distances by weights, and computes the means.
 HWY_INLINE void WeighHandles(SeenHandles& seen) {
   const PlaceTag d;
   const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor);
@@ -155,7 +155,7 @@ HWY_INLINE void Apply(const PlaceV (&a)[3][3], const PlaceV (&v)[3], PlaceV (&mo
     moved[i] = Sum3(hn::Mul(a[i][0], v[0]), hn::Mul(a[i][1], v[1]), hn::Mul(a[i][2], v[2]));
 }
 
-/// The turn that fits, applied to x less the mean.
+/// The fitted rotation, applied to x minus the mean.
 HWY_INLINE void FitRotation(SeenHandles& seen, PlaceV (&moved)[3]) {
   const Moments m = SumMoments<0>(seen);
   PlaceV r[3][3];
@@ -163,7 +163,7 @@ HWY_INLINE void FitRotation(SeenHandles& seen, PlaceV (&moved)[3]) {
   Apply(r, {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)}, moved);
 }
 
-/// And the scale.
+/// The fitted rotation and scale.
 HWY_INLINE void FitSimilarity(SeenHandles& seen, PlaceV (&moved)[3]) {
   const PlaceTag d;
   const Moments m = SumMoments<1>(seen);
@@ -193,10 +193,10 @@ HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const PlaceV (&v)[3]
   }
 }
 
-/// Columns of polynomials times √w on the handles, and their values at a vector of places.
+/// Columns of polynomials times √w on the handles, and their values at a vector of points.
 struct Columns {
   std::size_t handles, lanes;
-  double *values, *roots;  ///< of column j at handle h [(handles j + h) lanes]; √w [h lanes]
+  double *values, *roots;  ///< column j at handle h: [(handles j + h) lanes]; √w: [h lanes]
   PlaceV here[kMostMonomials];
 
   double* at(std::size_t j, std::size_t h) const { return values + (j * handles + h) * lanes; }
@@ -209,8 +209,8 @@ struct Columns {
   }
 };
 
-/// Takes the constant (not out of coordinates, which are less their means) and all columns before out of column j, at
-/// places of the mask.
+/// Orthogonalises column j against the constant (coordinates already are, relative to their means) and all earlier
+/// columns, at points of the mask.
 template <class Mask>
 HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, const Mask& mask) {
   const PlaceTag d;
@@ -232,8 +232,8 @@ HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, con
   }
 }
 
-/// The polynomials that fit, at x less the mean: Σ w p K(x, q) with the kernel K of polynomials that are orthonormal on
-/// the handles. `scratch` holds as many vectors as handles times one more than terms.
+/// The fitted polynomials at x minus the mean: Σ w p K(x, q) with the kernel K of polynomials orthonormal on the
+/// handles. `scratch` holds as many vectors as handles times one more than terms.
 HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
   const PlaceTag d;
   WeighHandles(seen);
@@ -256,7 +256,7 @@ HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&move
     const PlaceV before = c.square(j);
     TakeOut(c, j, over_total, hn::Eq(before, before));
     PlaceV left = c.square(j);
-    // What little is left of a column is as far from orthogonal as the rounding of what was taken out.
+    // Reorthogonalise where little remains: the rounding error of the subtracted part dominates.
     const auto again = hn::Lt(left, hn::Mul(before, hn::Set(d, 1e-3)));
     if (!hn::AllFalse(d, again)) TakeOut(c, j, over_total, again), left = c.square(j);
     const auto keep = hn::And(hn::Gt(left, zero), hn::Gt(left, hn::Mul(before, hn::Set(d, 1e-20))));
@@ -273,7 +273,7 @@ HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&move
   }
 }
 
-/// The affine map by the normal equations, and where these lose too many digits by orthogonal polynomials.
+/// The affine map by the normal equations, or by orthogonal polynomials where these lose too many digits.
 HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
   const PlaceTag d;
   const Moments m = SumMoments<6>(seen);
@@ -293,11 +293,11 @@ HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]
   Apply(m.pq, z, moved);
   if (hn::AllTrue(d, good)) return;
   PlaceV careful[3];
-  FitPolynomials(seen, scratch, careful);  // finds the same means again
+  FitPolynomials(seen, scratch, careful);  // computes the same means again
   for (std::size_t k = 0; k < 3; ++k) moved[k] = hn::IfThenElse(good, moved[k], careful[k]);
 }
 
-/// Where that many places come from, a multiple of the lanes, as arrays of coordinates.
+/// Sources of a multiple of the lanes of points, as arrays of coordinates.
 void MapTile(const PointMap& map, std::size_t places, const double* const* x, const double* extras,
              double* const* positions, std::vector<double>& scratch) {
   const PlaceTag d;

@@ -1,4 +1,4 @@
-// Maps of handles that are points, many places at a time.
+// Vectorised maps of point handles.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Handles as a structure of arrays, and what is fitted to them.
+/// Handles as a structure of arrays, with the parameters of the fit.
 struct PointMap {
   DeformationKind kind = DeformationKind::rigid;
   std::vector<double> q[3], p[3], weight;
   double alpha = 1;
-  double damping = 1;       ///< of what is behind cuts
-  double floor_square = 0;  ///< distances whose squares are below this have the weight of this
-  double unit = 1;          ///< polynomials are of coordinates times this
-  PolynomialTerms terms;    ///< of `affine`, too
+  double damping = 1;       ///< damping of influence across cuts
+  double floor_square = 0;  ///< squared distances below this count as this
+  double unit = 1;          ///< scale of the coordinates in polynomials
+  PolynomialTerms terms;    ///< also for `affine`
 };
 
-/// Where each of x comes from, what fit_nodes() says but for rounding, and p where x is q. Anything where x is not
-/// finite. `extras`: of handle h and place i, [x.size() h + i], how much longer the way around the cuts is; or empty.
+/// The source of each x: equals fit_nodes() up to rounding, and p where x is q. Undefined where x is not finite.
+/// `extras`: extra length of the detour from handle h to point i at [x.size() h + i]; or empty.
 void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
                 std::span<Vec3> positions);
 

@@ -1,4 +1,4 @@
-// The polynomials of nonlinear deformations, without their constant.
+// Polynomials of nonlinear deformations, without the constant term.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ namespace sansmesh::inline v1::detail {
 enum class PolynomialSpace : std::uint8_t {
   linear,
   quadratic,
-  harmonic_quadratic,  ///< linear ones, and quadratic ones whose Laplacian is 0
+  harmonic_quadratic,  ///< linear terms and quadratic ones whose Laplacian is 0
   cubic,
-  harmonic_cubic,  ///< quadratic ones, and cubic ones whose Laplacian is 0
+  harmonic_cubic,  ///< quadratic terms and cubic ones whose Laplacian is 0
 };
 
 constexpr std::size_t kMostMonomials = 19;
 
-/// Monomial j + 3 is that variable times that monomial; the first three are x, y, z.
+/// Monomial j + 3 is this variable times this monomial; the first three are x, y, z.
 struct MonomialStep {
   std::uint8_t variable, monomial;
 };
@@ -49,7 +49,7 @@ struct PolynomialTerm {
 
 /// The polynomials that span a space: each is a monomial, or a sum of up to three.
 struct PolynomialTerms {
-  std::size_t monomials = 0;  ///< how many of them are needed
+  std::size_t monomials = 0;  ///< number of monomials needed
   std::size_t count = 0;
   std::array<PolynomialTerm, kMostMonomials> terms{};
 };
@@ -90,7 +90,7 @@ constexpr PolynomialTerms polynomial_terms(PolynomialSpace space) {
   return t;
 }
 
-/// Values of all terms at v, and if `slopes` is not null their gradients there.
+/// Values of all terms at v and, if `slopes` is not null, their gradients.
 inline void evaluate_terms(const PolynomialTerms& t, const Vec3& v, double* values, Vec3* slopes) {
   std::array<double, kMostMonomials> m{v.x, v.y, v.z};
   std::array<Vec3, kMostMonomials> g{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};

@@ -5,13 +5,13 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/simd_targets.h"
-// After simd_targets.h, which says what the library holds.
+// After simd_targets.h, which defines the instruction sets of the library.
 #include "sansmesh/deform/rotation_lanes-inl.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kOpposite = 1e-12;  // of 1 + a·b
+constexpr double kOpposite = 1e-12;  // threshold of 1 + a·b
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The rotation that fits best, one problem a lane (METHODS §7.1; Horn 1987). Included once for each instruction set.
+// Optimal rotation, one problem per lane (tejada2008, 6.4; horn1987). Included once per instruction set.
 #if defined(SANSMESH_DEFORM_ROTATION_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_DEFORM_ROTATION_LANES_INL_H_
 #undef SANSMESH_DEFORM_ROTATION_LANES_INL_H_
@@ -13,7 +13,7 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Every product is rounded: fused or not would tell instruction sets apart.
+// All products are rounded separately: fused operations would make results depend on the instruction set.
 template <class V>
 HWY_INLINE void QuaternionMatrix(const V (&q)[4], V (&r)[3][3]) {
   const hn::DFromV<V> d;
@@ -41,15 +41,15 @@ HWY_INLINE void NormalizeQuaternion(V (&q)[4]) {
   for (int k = 1; k < 4; ++k) q[k] = hn::IfThenElseZero(some, hn::Mul(q[k], inverse));
 }
 
-/// Largest root of y⁴ − 2 f y² − 8 det y + c, all of whose roots are real, f about 1: by Laguerre's method, which comes
-/// down from above without ever passing the root, by third powers if it is alone, else by a quarter of the way at
-/// least.
+/// Largest root of y⁴ − 2 f y² − 8 det y + c, whose roots are all real, with f about 1. Laguerre's method descends from
+/// above without passing the root; it converges cubically to a simple root, else the error falls by at least a quarter
+/// per step.
 template <class V>
 HWY_INLINE V LargestRoot(const V& f, const V& det, const V& c) {
   const hn::DFromV<V> d;
   const V four = hn::Set(d, 4.0), zero = hn::Zero(d), one = hn::Set(d, 1.0);
   const V f2 = hn::Add(f, f), det8 = hn::Mul(hn::Set(d, 8.0), det);
-  V y = hn::Sqrt(hn::Mul(hn::Set(d, 3.0), f));  // no sum of three singular values is larger
+  V y = hn::Sqrt(hn::Mul(hn::Set(d, 3.0), f));  // bound: no sum of three singular values is larger
   auto going = hn::Eq(y, y);
   for (int step = 0; step < 24; ++step) {
     const V y2 = hn::Mul(y, y);
@@ -67,7 +67,7 @@ HWY_INLINE V LargestRoot(const V& f, const V& det, const V& c) {
   return y;
 }
 
-/// Horn's matrix of b less y.
+/// Horn's matrix of b minus y times the identity.
 template <class V>
 HWY_INLINE void HornMatrix(const V (&b)[3][3], const V& y, V (&n)[4][4]) {
   n[0][0] = hn::Sub(hn::Add(hn::Add(b[0][0], b[1][1]), b[2][2]), y);
@@ -101,7 +101,7 @@ HWY_INLINE void HornQuaternion(const V (&b)[3][3], V (&q)[4]) {
 
   V n[4][4];
   HornMatrix(b, y, n);
-  // Its adjugate is a multiple of q qᵀ: the column that is longest.
+  // The adjugate is a multiple of q qᵀ; take its longest column.
   V s[6], c[6];
   constexpr int kPairs[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
   for (int k = 0; k < 6; ++k) {
@@ -131,7 +131,7 @@ HWY_INLINE void HornQuaternion(const V (&b)[3][3], V (&q)[4]) {
     longest = hn::Max(size, longest);
     for (int k = 0; k < 4; ++k) q[k] = hn::IfThenElse(better, a[i][k], q[k]);
   }
-  // Entries are products of three numbers that may all be small.
+  // Rescale, because entries are products of three possibly small numbers.
   V most = hn::Abs(q[0]);
   for (int k = 1; k < 4; ++k) most = hn::Max(most, hn::Abs(q[k]));
   const auto some = hn::Gt(most, hn::Set(d, 1e-290));
@@ -145,8 +145,8 @@ HWY_INLINE V Sum3(const V& a, const V& b, const V& c) {
   return hn::Add(hn::Add(a, b), c);
 }
 
-/// q times (w, v), a quaternion, in lanes of the mask. Others keep every bit: what a lane finds must not depend on what
-/// its neighbours still have to do.
+/// q times (w, v), a quaternion, in lanes of the mask. Other lanes keep every bit: a lane's result must not depend on
+/// its neighbours.
 template <class V, class Mask>
 HWY_INLINE void TurnQuaternion(const Mask& turns, const V& w, const V (&v)[3], V (&q)[4]) {
   const V p[4] = {q[0], q[1], q[2], q[3]};
@@ -160,10 +160,11 @@ HWY_INLINE void TurnQuaternion(const Mask& turns, const V& w, const V (&v)[3], V
   for (int k = 0; k < 4; ++k) q[k] = hn::IfThenElse(turns, q[k], p[k]);
 }
 
-/// What a rotation r lacks: S = rᵀ b is not symmetric by `skew`, and resists turns by H = (tr S) 1 − S.
+/// Residual of a rotation r: S = rᵀ b deviates from symmetry by `skew`; the stiffness against rotation is H = (tr S) 1
+/// − S.
 template <class V>
 struct TurnLeft {
-  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  // Not implicit: an implicit constructor is compiled for no particular instruction set, which ARM rejects.
   HWY_ATTR TurnLeft() {}
   V s[3][3], skew[3], stiffness[3][3], adjugate[3][3], det;  ///< the last two of H
   HWY_ATTR V trace() const { return hn::Add(hn::Add(s[0][0], s[1][1]), s[2][2]); }
@@ -200,7 +201,7 @@ HWY_INLINE TurnLeft<V> WhatIsLeft(const V (&b)[3][3], const V (&r)[3][3]) {
   return t;
 }
 
-/// Half of the turn that Newton's method asks for, and the square of its length.
+/// Half of the Newton rotation, and its squared length.
 template <class V>
 HWY_INLINE V HalfTurn(const TurnLeft<V>& t, const V& half_over_det, V (&w)[3]) {
   for (int k = 0; k < 3; ++k)
@@ -209,7 +210,7 @@ HWY_INLINE V HalfTurn(const TurnLeft<V>& t, const V& half_over_det, V (&w)[3]) {
   return Sum3(hn::Mul(w[0], w[0]), hn::Mul(w[1], w[1]), hn::Mul(w[2], w[2]));
 }
 
-/// The axis about which a turn matters least, of length 1; zero where there is none.
+/// Unit axis of least stiffness; zero if there is none.
 template <class V>
 HWY_INLINE void WeakAxis(const TurnLeft<V>& t, V (&e)[3]) {
   const hn::DFromV<V> d;
@@ -227,8 +228,8 @@ HWY_INLINE void WeakAxis(const TurnLeft<V>& t, V (&e)[3]) {
   for (V& v : e) v = hn::IfThenElseZero(some, hn::Mul(v, scale));
 }
 
-/// Where turns about one axis hardly matter, the quartic leaves them open by the root of the rounding: the best one,
-/// exactly, about that axis, once all else is right.
+/// Where rotations about one axis have almost no stiffness, the quartic determines them only to the square root of the
+/// rounding error. Computes the exact optimum about that axis, after correcting all others.
 template <class V>
 HWY_INLINE void TurnAboutWeakAxis(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   const hn::DFromV<V> d;
@@ -260,7 +261,7 @@ HWY_INLINE void TurnAboutWeakAxis(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   const V inverse = hn::Div(one, hn::IfThenElse(turns, radius, one));
   const V cosine = hn::IfThenElse(turns, hn::Mul(x, inverse), one);
   const V sine = hn::IfThenElseZero(turns, hn::Mul(y, inverse));
-  // Half of the angle, by whichever of its sine and cosine is larger.
+  // Half of the angle, from the larger of its sine and cosine.
   const V larger = hn::Sqrt(hn::Mul(half, hn::Add(one, hn::Abs(cosine))));
   const V smaller = hn::Div(hn::Mul(half, sine), larger);
   const auto acute = hn::Ge(cosine, zero);
@@ -270,8 +271,8 @@ HWY_INLINE void TurnAboutWeakAxis(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   QuaternionMatrix(q, r);
 }
 
-/// Newton's method on the rotations: it makes up for what the coefficients of the quartic lost by rounding. The lanes
-/// where it came to rest at what is certainly the best rotation: resisting all turns by more than rounding makes.
+/// Newton's method on the rotations corrects the rounding errors of the quartic's coefficients. Returns the lanes that
+/// converged to a certain optimum: stiff against all rotations beyond rounding.
 template <class V>
 HWY_INLINE auto PolishRotation(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   const hn::DFromV<V> d;
@@ -295,7 +296,7 @@ HWY_INLINE auto PolishRotation(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   return best;
 }
 
-/// Where nothing is left to turn but for rounding, and no more than one turn hardly matters: the best rotation.
+/// True where the residual is at rounding level and at most one rotation has little stiffness: the optimum.
 template <class V>
 HWY_INLINE auto IsBest(const V (&b)[3][3], const V (&r)[3][3]) {
   const hn::DFromV<V> d;
@@ -314,8 +315,9 @@ HWY_INLINE V Alignment(const V (&b)[3][3], const V (&r)[3][3]) {
   return sum;
 }
 
-/// The same by Jacobi's method on Horn's matrix, in lanes of the mask: for mirrored sets that are (nearly) symmetric
-/// about an axis or a point several roots of the quartic coincide. Sweeps are as many for all lanes.
+/// The optimum by Jacobi's method on Horn's matrix, in lanes of the mask, for reflected sets that are (nearly)
+/// symmetric about an axis or a point, where several roots of the quartic coincide. The number of sweeps is the same
+/// for all lanes.
 template <class V, class Mask>
 HWY_NOINLINE void RepairRotation(const V (&b)[3][3], const Mask& wanted, V (&r)[3][3]) {
   const hn::DFromV<V> d;
@@ -328,7 +330,7 @@ HWY_NOINLINE void RepairRotation(const V (&b)[3][3], const Mask& wanted, V (&r)[
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (int i = 0; i < 3; ++i)
       for (int j = i + 1; j < 4; ++j) {
-        // The tangent of the smaller angle by which a[i][j] becomes 0.
+        // Tangent of the smaller angle that makes a[i][j] zero.
         const V off = a[i][j], difference = hn::Mul(half, hn::Sub(a[j][j], a[i][i]));
         const V root = hn::Sqrt(hn::Add(hn::Mul(difference, difference), hn::Mul(off, off)));
         const V under = hn::Add(hn::Abs(difference), root);
@@ -362,8 +364,8 @@ HWY_NOINLINE void RepairRotation(const V (&b)[3][3], const Mask& wanted, V (&r)[
     for (int j = 0; j < 3; ++j) r[i][j] = hn::IfThenElse(taken, found[i][j], r[i][j]);
 }
 
-/// The rotation r that maximises Σ r_ij b_ij. Of several the smallest, by a pull towards the identity of 10⁻¹⁴ of the
-/// norm of b: where b has rank 1 or none. b may have any scale; that of its entries' squares need not be representable.
+/// The rotation r that maximises Σ r_ij b_ij. Of several optima (rank of b at most 1) the smallest rotation, by adding
+/// 10⁻¹⁴ of b's norm times the identity. b may have any scale; its squared entries need not be representable.
 template <class V>
 HWY_INLINE void BestRotation(const V (&b)[3][3], V (&r)[3][3]) {
   const hn::DFromV<V> d;

@@ -7,8 +7,10 @@
 #include <unordered_set>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -16,16 +18,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSnap = 1e-3;        // of an edge: vertices so near the cut are on it
-constexpr double kMostRounded = 0.5;  // of the way to the middles of triangles: what is farther is no rounding
+constexpr double kSnap = 1e-3;        // fraction of an edge: vertices closer to the cut are on it
+constexpr double kMostRounded = 0.5;  // largest rounding error over the distance to the triangles' centroids
 constexpr int kSnapRounds = 4;
 constexpr std::size_t kEdgesAtATime = 1024;
-
-std::uint64_t slit_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-std::uint32_t smaller_end(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
-std::uint32_t larger_end(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 class SlitMaker {
  public:
@@ -43,8 +39,8 @@ class SlitMaker {
       std::unordered_set<std::uint64_t> split;
       for (const std::size_t t : bad_)
         for (std::size_t k = 0; k < 3; ++k)
-          split.insert(slit_key(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]));
-      split_edges(mesh_, [&](std::uint32_t a, std::uint32_t b) { return split.count(slit_key(a, b)) != 0; });
+          split.insert(edge_key(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]));
+      split_edges(mesh_, [&](std::uint32_t a, std::uint32_t b) { return split.count(edge_key(a, b)) != 0; });
     }
     Slit slit;
     slit.unopened = bad_.size();
@@ -55,7 +51,7 @@ class SlitMaker {
   }
 
  private:
-  struct Place {  // on an edge, as a share from its smaller vertex
+  struct Place {  // on an edge, as a fraction from its smaller vertex
     double share;
   };
   enum class Way : std::uint8_t { none, across, ending, along };
@@ -65,21 +61,16 @@ class SlitMaker {
   };
 
   Vec3 world(std::uint32_t v) const { return mesh_.origin + Vec3(mesh_.vertices[v]); }
-  static bool three_corners(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
-  bool good(const Triangle& t) const {
-    for (const std::uint32_t v : t)
-      if (v >= mesh_.vertices.size() || !is_finite(mesh_.vertices[v])) return false;
-    return three_corners(t);
-  }
+  bool good(const Triangle& t) const { return has_valid_corners(mesh_.vertices, t) && has_distinct_corners(t); }
 
-  /// Of all edges where the cut crosses them, but for places at vertices that are on the cut.
+  /// Finds where the cut crosses edges, except at vertices that are on the cut.
   void find_crossings() {
     on_cut_.resize(mesh_.vertices.size());
     std::vector<std::uint64_t> edges;
     edges.reserve(3 * mesh_.triangles.size());
     for (const Triangle& t : mesh_.triangles)
       if (good(t))
-        for (std::size_t k = 0; k < 3; ++k) edges.push_back(slit_key(t[k], t[(k + 1) % 3]));
+        for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
     parallel_sort(edges);
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     std::vector<std::vector<double>> found((edges.size() + kEdgesAtATime - 1) / kEdgesAtATime);
@@ -98,7 +89,7 @@ class SlitMaker {
       for (std::size_t i = 0; i < counts[chunk].size(); ++i) {
         const std::uint64_t key = edges[chunk * kEdgesAtATime + i];
         int inner = 0;
-        // Between two vertices on the cut, along it, rounding makes crossings.
+        // Rounding creates false crossings on edges along the cut between two vertices on it.
         if (counts[chunk][i] > 0 && on_cut_[smaller_end(key)] && on_cut_[larger_end(key)] && lies_along(key)) {
           at += counts[chunk][i];
           continue;
@@ -115,7 +106,7 @@ class SlitMaker {
     }
   }
 
-  /// Moves vertices that are almost on the cut onto it; whether there were any.
+  /// Moves vertices that are almost on the cut onto it; returns whether there were any.
   bool snap() {
     struct Move {
       double length = 0;
@@ -140,7 +131,7 @@ class SlitMaker {
     on_cut_[v] = 1;
   }
 
-  /// Where the border of the cut passes triangles; at edges and corners it belongs to these.
+  /// Finds where the border of the cut crosses triangles; points at edges and corners are assigned to these.
   void find_tips() {
     std::vector<std::uint8_t> tipped(mesh_.triangles.size());
     parallel_ranges(0, mesh_.triangles.size(), kEdgesAtATime, [&](std::size_t first, std::size_t end) {
@@ -173,15 +164,15 @@ class SlitMaker {
           const std::uint32_t v = t[(least + 1) % 3], w = t[(least + 2) % 3];
           const double along = share[(least + 2) % 3] / (share[(least + 1) % 3] + share[(least + 2) % 3]);
           const Place place{v < w ? along : 1 - along};
-          const auto [at, fresh] = places_.try_emplace(slit_key(v, w), place);
-          // Along an edge that lies in the cut rounding decides where it crosses.
+          const auto [at, fresh] = places_.try_emplace(edge_key(v, w), place);
+          // On an edge along the cut, rounding decides the position of the crossing.
           if (!fresh && runs_along(v, w)) at->second = place;
         } else {
           tips_[i].push_back(p);
         }
       }
     }
-    // What is now at a vertex is no longer on an edge.
+    // Crossings now at a vertex are no longer on an edge.
     for (auto at = places_.begin(); at != places_.end();) {
       const bool gone = (on_cut_[smaller_end(at->first)] && at->second.share < 2 * kSnap) ||
                         (on_cut_[larger_end(at->first)] && at->second.share > 1 - 2 * kSnap);
@@ -189,9 +180,9 @@ class SlitMaker {
     }
   }
 
-  /// Whether the cut runs along an edge from one of its ends, which is on it, to the place on the edge.
+  /// Whether the cut runs along an edge from one of its ends, which is on it, to the crossing on the edge.
   bool runs_along(std::uint32_t v, std::uint32_t w) const {
-    const std::uint64_t key = slit_key(v, w);
+    const std::uint64_t key = edge_key(v, w);
     const auto place = places_.find(key);
     if (place == places_.end() || (on_cut_[v] != 0) == (on_cut_[w] != 0)) return false;
     const Vec3 a = world(smaller_end(key)), b = world(larger_end(key));
@@ -206,20 +197,20 @@ class SlitMaker {
   }
   bool lies_at(const Vec3& p, double edge) const {
     Gap gap;
-    cut_.gaps({&p, 1}, {&p, 1}, {}, {&gap, 1});  // half the distance from the cut or more, below 0
+    cut_.gaps({&p, 1}, {&p, 1}, {}, {&gap, 1});  // depth <= −distance/2
     return gap.depth > -kSnap * edge;
   }
 
-  /// How the cut passes each triangle; which edges it runs along.
+  /// Classifies how the cut crosses each triangle, and finds the edges along the cut.
   void look_at_triangles(bool last) {
     bad_.clear(), ways_.clear(), cut_edges_.clear();
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
       const Triangle& t = mesh_.triangles[i];
       if (!good(t)) continue;
       std::size_t corners = 0, edges = 0, along = 0;
-      bool bad = false, beside = false;  // a corner on the cut, and a place on an edge at it
+      bool bad = false, beside = false;  // a corner on the cut, and a crossing on an edge at that corner
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint64_t key = slit_key(t[k], t[(k + 1) % 3]);
+        const std::uint64_t key = edge_key(t[k], t[(k + 1) % 3]);
         corners += on_cut_[t[k]];
         bad = bad || twice_.count(key) != 0;
         if (places_.count(key) == 0) continue;
@@ -232,7 +223,7 @@ class SlitMaker {
       }
       std::vector<Vec3> tips;
       if (const auto at = tips_.find(i); at != tips_.end()) tips = at->second;
-      // A tip beside the place where the cut comes in is that place.
+      // A tip next to the crossing where the cut enters is that crossing.
       std::erase_if(tips, [&](const Vec3& p) { return near_a_place(t, p); });
       const std::size_t n = corners + edges;
       Look look;
@@ -256,7 +247,7 @@ class SlitMaker {
       const Triangle& t = mesh_.triangles[i];
       if (look.way != Way::across) continue;
       for (std::size_t k = 0; k < 3; ++k)
-        if (on_cut_[t[k]] && on_cut_[t[(k + 1) % 3]]) cut_edges_.insert(slit_key(t[k], t[(k + 1) % 3]));
+        if (on_cut_[t[k]] && on_cut_[t[(k + 1) % 3]]) cut_edges_.insert(edge_key(t[k], t[(k + 1) % 3]));
     }
   }
 
@@ -265,7 +256,7 @@ class SlitMaker {
       const Vec3 a = world(t[k]), b = world(t[(k + 1) % 3]);
       const double close = kSnap * norm(b - a);
       if (on_cut_[t[k]] && norm(p - a) < close) return true;
-      const auto at = places_.find(slit_key(t[k], t[(k + 1) % 3]));
+      const auto at = places_.find(edge_key(t[k], t[(k + 1) % 3]));
       if (at == places_.end()) continue;
       const double share = t[k] < t[(k + 1) % 3] ? at->second.share : 1 - at->second.share;
       if (norm(p - (a + (b - a) * share)) < close) return true;
@@ -274,7 +265,7 @@ class SlitMaker {
   }
 
   std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b) {
-    const std::uint64_t key = slit_key(a, b);
+    const std::uint64_t key = edge_key(a, b);
     const auto place = places_.find(key);
     if (place == places_.end()) return kNoVertex;
     const auto [at, fresh] = made_.try_emplace(key, kNoVertex);
@@ -287,12 +278,12 @@ class SlitMaker {
     return at->second;
   }
 
-  /// A vertex within a triangle, of all three corners.
+  /// A vertex inside a triangle, interpolated from all three corners.
   std::uint32_t vertex_within(const Triangle& t, const Vec3& p) {
     const Vec3 a = world(t[0]), b = world(t[1]), c = world(t[2]), n = cross(b - a, c - a);
     const double area = squared_norm(n), wb = std::max(0.0, dot(cross(c - p, a - p), n) / area),
                  wc = std::max(0.0, dot(cross(a - p, b - p), n) / area);
-    // Two steps of mixing two: on the edge from b to c, and from a to there. The first vertex is not used.
+    // Interpolates twice: on the edge from b to c, and from a to that point. The first vertex is temporary.
     const double along = wb + wc > 0 ? wc / (wb + wc) : 0;
     const Vec3 x = p - mesh_.origin;
     const std::uint32_t between = append_vertex_between(mesh_, t[1], t[2], static_cast<float>(along), Vec3f(x));
@@ -322,24 +313,24 @@ class SlitMaker {
         std::rotate(t.begin(), t.begin() + 1, t.end());
         std::rotate(m.begin(), m.begin() + 1, m.end());
       };
-      // Turned so that the edges that are split come first.
+      // Rotate so that the split edges come first.
       while ((splits == 1 && m[0] == kNoVertex) || (splits == 2 && m[2] != kNoVertex)) turn();
       if (look.way == Way::ending) {
         const std::uint32_t tip = vertex_within(t, look.tip);
         if (splits == 1) {
           add(t[0], m[0], tip), add(m[0], t[1], tip), add(t[1], t[2], tip), add(t[2], t[0], tip);
-          cut_edges_.insert(slit_key(m[0], tip));
+          cut_edges_.insert(edge_key(m[0], tip));
         } else {
           while (!on_cut_[t[0]]) turn();
           add(t[0], t[1], tip), add(t[1], t[2], tip), add(t[2], t[0], tip);
-          cut_edges_.insert(slit_key(t[0], tip));
+          cut_edges_.insert(edge_key(t[0], tip));
         }
       } else if (splits == 0) {
         result.push_back(t);
       } else if (splits == 1) {
         add(t[0], m[0], t[2]), add(m[0], t[1], t[2]);
-        if (look.way == Way::across) cut_edges_.insert(slit_key(m[0], t[2]));
-        if (look.way == Way::along) cut_edges_.insert(slit_key(m[0], on_cut_[t[0]] ? t[0] : t[1]));
+        if (look.way == Way::across) cut_edges_.insert(edge_key(m[0], t[2]));
+        if (look.way == Way::along) cut_edges_.insert(edge_key(m[0], on_cut_[t[0]] ? t[0] : t[1]));
       } else if (splits == 2) {
         add(m[0], t[1], m[1]);
         if (norm(world(t[0]) - world(m[1])) <= norm(world(m[0]) - world(t[2]))) {
@@ -347,7 +338,7 @@ class SlitMaker {
         } else {
           add(t[0], m[0], t[2]), add(m[0], m[1], t[2]);
         }
-        if (look.way == Way::across) cut_edges_.insert(slit_key(m[0], m[1]));
+        if (look.way == Way::across) cut_edges_.insert(edge_key(m[0], m[1]));
       } else {
         add(t[0], m[0], m[2]), add(m[0], t[1], m[1]), add(m[2], m[1], t[2]), add(m[0], m[1], m[2]);
       }
@@ -358,7 +349,7 @@ class SlitMaker {
     drop_unused();
   }
 
-  /// Takes out the vertices that were only a step.
+  /// Removes temporary vertices.
   void drop_unused() {
     if (unused_.empty()) return;
     std::vector<std::uint32_t> kept, now(mesh_.vertices.size());
@@ -376,12 +367,12 @@ class SlitMaker {
       for (std::uint32_t& v : t)
         if (v < now.size()) v = now[v];
     std::unordered_set<std::uint64_t> edges;
-    for (const std::uint64_t e : cut_edges_) edges.insert(slit_key(now[smaller_end(e)], now[larger_end(e)]));
+    for (const std::uint64_t e : cut_edges_) edges.insert(edge_key(now[smaller_end(e)], now[larger_end(e)]));
     cut_edges_ = std::move(edges);
   }
 
-  /// A part of the way from a vertex to the middle of the triangles on one side. Vertices are rounded and may so have
-  /// come to lie across the cut: the part begins where the way crosses it for that.
+  /// Offset by a fraction of the vector from a vertex to the centroid of the triangles on one side. Rounding may have
+  /// moved the vertex across the cut; the fraction then counts from the crossing.
   Vec3f offset_to(std::uint32_t v, const Vec3& way) const {
     std::vector<double> found;
     for (const auto& cut : cuts_) cut->crossings(world(v), world(v) + way, found);
@@ -391,13 +382,13 @@ class SlitMaker {
     return Vec3f(way * (share + static_cast<double>(kAsideShare)));
   }
 
-  /// Doubles vertices: corners that meet at a vertex stay together as far as edges that are not cut join them.
-  /// Triangles with a corner that is nowhere join, too, but do not tell the sides of a cut.
+  /// Doubles vertices: triangles around a vertex stay together if uncut edges connect them. Triangles with an invalid
+  /// corner are connected too, but do not distinguish the sides of a cut.
   void part(Slit& slit) {
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around;  // triangles
     for (const std::uint64_t e : cut_edges_) around[smaller_end(e)], around[larger_end(e)];
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      if (!three_corners(mesh_.triangles[i])) continue;
+      if (!has_distinct_corners(mesh_.triangles[i])) continue;
       for (const std::uint32_t v : mesh_.triangles[i])
         if (const auto at = around.find(v); at != around.end()) at->second.push_back(i);
     }
@@ -412,14 +403,14 @@ class SlitMaker {
     for (const std::uint32_t v : vertices) {
       const std::vector<std::uint32_t>& fan = around.at(v);
       UnionFind groups(fan.size());
-      std::map<std::uint32_t, std::uint32_t> first;  // of the other end of an edge: a triangle there
+      std::map<std::uint32_t, std::uint32_t> first;  // first triangle at the other end of an edge
       for (std::uint32_t k = 0; k < fan.size(); ++k)
         for (const std::uint32_t w : before[fan[k]]) {
-          if (w == v || cut_edges_.count(slit_key(v, w)) != 0) continue;
+          if (w == v || cut_edges_.count(edge_key(v, w)) != 0) continue;
           const auto [at, fresh] = first.try_emplace(w, k);
           if (!fresh) groups.join(at->second, k);
         }
-      std::map<std::uint32_t, std::uint32_t> copies;  // of the group's first triangle
+      std::map<std::uint32_t, std::uint32_t> copies;  // by first triangle of the group
       for (std::uint32_t k = 0; k < fan.size(); ++k) {
         const std::uint32_t g = groups.find(k);
         const auto [at, fresh] = copies.try_emplace(g, v);
@@ -446,7 +437,7 @@ class SlitMaker {
     std::unordered_map<std::uint64_t, std::size_t> index;
     for (std::size_t i = 0; i < before.size(); ++i)
       for (std::size_t k = 0; k < 3 && good(before[i]); ++k) {
-        const std::uint64_t key = slit_key(before[i][k], before[i][(k + 1) % 3]);
+        const std::uint64_t key = edge_key(before[i][k], before[i][(k + 1) % 3]);
         if (cut_edges_.count(key) == 0) continue;
         const Triangle& t = mesh_.triangles[i];
         const auto [at, fresh] = index.try_emplace(key, slit.edges.size());
@@ -462,11 +453,11 @@ class SlitMaker {
   TriangleMesh& mesh_;
   std::span<const std::shared_ptr<const Occluder>> cuts_;  // the last one and those before
   const Occluder& cut_;
-  std::vector<std::uint8_t> on_cut_;  // of each vertex
+  std::vector<std::uint8_t> on_cut_;  // per vertex
   std::vector<std::pair<std::uint64_t, double>> all_;
-  std::map<std::uint64_t, Place> places_;  // where edges are to be split
+  std::map<std::uint64_t, Place> places_;  // split positions of edges
   std::unordered_set<std::uint64_t> twice_;
-  std::map<std::size_t, std::vector<Vec3>> tips_;  // of triangles
+  std::map<std::size_t, std::vector<Vec3>> tips_;  // by triangle
   std::map<std::size_t, Look> ways_;
   std::vector<std::size_t> bad_;
   std::unordered_set<std::uint64_t> cut_edges_;

@@ -1,4 +1,4 @@
-// A mesh opened along one cut: what open_along_cuts and the faces along cuts share.
+// A mesh opened along one cut; shared by open_along_cuts and the faces along cuts.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// An edge along which a mesh was opened, with its vertices on both sides (the same at the end of a slit), in the
-/// direction in which the triangle on the first side runs through it.
+/// An edge along which a mesh was opened, with its vertices on both sides (equal at the end of a slit), in the
+/// direction of the triangle on the first side.
 struct SlitEdge {
   std::array<std::uint32_t, 2> first, second;
-  /// The third corners of the triangles there, which tell the sides apart; kNoVertex: the mesh ended here.
+  /// Third corners of the adjacent triangles, which distinguish the sides; kNoVertex: border of the mesh.
   std::uint32_t beside_first, beside_second;
 };
 
@@ -27,13 +27,13 @@ struct Slit {
   std::size_t unopened = 0;  ///< triangles
 };
 
-/// How far from their place, as a share of the way to the middle of the triangles around, copies are looked at.
+/// Offset at which copies are evaluated, as a fraction of the distance to the centroid of the surrounding triangles.
 constexpr float kAsideShare = 0.01f;
 
-/// The offset of a vertex that is looked at from beside its place: attribute kCutSide, made if there is none.
+/// Sets the evaluation offset of vertices: attribute kCutSide, created if missing.
 void set_cut_sides(TriangleMesh& mesh, const std::vector<std::uint32_t>& vertices, const std::vector<Vec3f>& offsets);
 
-/// Opens the mesh along the last of the cuts, after those before it.
+/// Opens the mesh along the last of the cuts; the others were applied before.
 Slit open_slit(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occluder>> cuts, int refinements);
 
 }  // namespace sansmesh::inline v1

@@ -5,16 +5,16 @@
 #include <map>
 
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
-constexpr double kSamePlace = 1e-12;  // of a segment: crossings so near each other are one
-constexpr double kFlatEdge = 1e-9;    // sine of the angle between neighbours from which on they bend
+constexpr double kSamePlace = 1e-12;  // fraction of a segment: closer crossings are one
+constexpr double kFlatEdge = 1e-9;    // sine of the angle between neighbours above which an edge is bent
 
-/// Whether the segment meets the box: slabs.
+/// Slab test of a segment and a box.
 bool segment_meets(const Box3& box, const Vec3& a, const Vec3& b, double margin = 0) {
   double from = 0, to = 1;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -30,7 +30,7 @@ bool segment_meets(const Box3& box, const Vec3& a, const Vec3& b, double margin 
   return from <= to + 1e-12;
 }
 
-/// Not more than the squared distance between the box and the one around the segment.
+/// Lower bound of the squared distance between the contents of two boxes.
 double squared_gap(const Box3& box, const Box3& other) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -42,12 +42,12 @@ double squared_gap(const Box3& box, const Box3& other) {
 
 bool boxes_meet(const Box3& a, const Box3& b) { return squared_gap(a, b) == 0; }
 
-/// Six times the volume of (a, b, p, q), the same but for its sign whichever of p and q comes first.
+/// Six times the volume of (a, b, p, q); its magnitude does not depend on the order of p and q.
 double volume_of(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, bool swapped) {
   return swapped ? -dot(b - a, cross(q - a, p - a)) : dot(b - a, cross(p - a, q - a));
 }
 
-/// Whether the segment from p to q passes through the triangle, and where. n: normal of the triangle, of any length.
+/// Whether the segment from p to q crosses the triangle, and where. n: normal of the triangle, of any length.
 bool passes_through(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& n,
                     Vec3& point) {
   const double s0 = dot(p - a, n), s1 = dot(q - a, n);
@@ -118,7 +118,7 @@ void TriangleSheet::build(Tree& tree, std::size_t first, std::size_t last, const
   build(tree, middle, last, box_of);
 }
 
-/// Calls use(entry) for what is in leaves whose boxes enters(box); ends where use returns true.
+/// Calls use(entry) for the entries of leaves accepted by enters(box); stops when use returns true.
 template <class Enters, class Use>
 void TriangleSheet::visit(const Tree& tree, const Enters& enters, const Use& use) {
   if (tree.nodes.empty()) return;
@@ -140,7 +140,7 @@ void TriangleSheet::visit(const Tree& tree, const Enters& enters, const Use& use
 }
 
 TriangleSheet::TriangleSheet(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> first = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
   points_.reserve(mesh.vertices.size());
   for (const Vec3f& v : mesh.vertices) points_.push_back(mesh.origin + Vec3(v));
   struct Side {

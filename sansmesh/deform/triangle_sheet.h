@@ -1,4 +1,4 @@
-// A surface of triangles with a border, asked where segments cross it and how far it is from them.
+// A triangle surface with a border, for segment intersections and distances.
 #pragma once
 
 #include <array>
@@ -11,20 +11,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Built once, then any number of queries from any thread, all in double precision and in world coordinates. Vertices
-/// at the same place are one; triangles without area, or with a corner that is not finite or does not exist, are left
-/// out. Edges of a single triangle are the border.
+/// Built once; thread-safe queries, in double precision and world coordinates. Coincident vertices are merged;
+/// triangles without area or with an invalid corner are left out. Edges of a single triangle form the border.
 class TriangleSheet {
  public:
   struct Crossing {
-    double share = 0;  ///< of the segment's length, 0..1
+    double share = 0;  ///< position on the segment, 0..1
     Vec3 point;
     std::uint32_t triangle = 0;
   };
   struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
-    double share = 0;  ///< where on the segment
-    Vec3 point;        ///< of the sheet
+    double share = 0;  ///< position on the segment
+    Vec3 point;        ///< on the sheet
   };
 
   explicit TriangleSheet(const TriangleMesh& mesh);
@@ -36,28 +35,28 @@ class TriangleSheet {
   std::array<Vec3, 3> corners(std::size_t triangle) const;
 
   bool crosses(const Vec3& a, const Vec3& b) const;
-  /// Appends all crossings in order; one where neighbours share the place.
+  /// Appends all crossings in order; one where neighbours share the point.
   void crossings(const Vec3& a, const Vec3& b, std::vector<Crossing>& found) const;
-  /// Appends the points at which edges of the border pass through the triangle.
+  /// Appends the points at which border edges cross the triangle.
   void border_points(const std::array<Vec3, 3>& triangle, std::vector<Vec3>& found) const;
-  /// Of the edges at which the sheet ends or is bent, those that pass through the triangle (a, b, c), which is so thin
-  /// that b is nearer than `width` to the line from a to c.
+  /// A border edge or bent edge that crosses the triangle (a, b, c), which is so thin that b is nearer than `width` to
+  /// the line from a to c.
   struct Bend {
-    Vec3 point;       ///< where it passes through
-    Vec3 begin, end;  ///< of the edge
+    Vec3 point;       ///< crossing point
+    Vec3 begin, end;  ///< ends of the edge
   };
   void bends(const Vec3& a, const Vec3& b, const Vec3& c, double width, std::vector<Bend>& found) const;
-  /// Nothing farther away than `limit` is found. A segment that crosses has distance 0.
+  /// Searches within distance `limit`. A segment that crosses the sheet has distance 0.
   Nearest nearest(const Vec3& a, const Vec3& b, double limit) const;
   Nearest nearest(const Vec3& x, double limit) const { return nearest(x, x, limit); }
-  /// Of the border.
+  /// Nearest point of the border.
   Nearest nearest_border(const Vec3& x, double limit) const;
 
  private:
   struct Node {
     Box3 box;
-    std::uint32_t first = 0;  ///< leaf: its first entry; inner: its second child (the first follows the node)
-    std::uint32_t count = 0;  ///< leaf: number of entries; inner: 0
+    std::uint32_t first = 0;  ///< leaf: its first entry; inner node: its second child (the first follows the node)
+    std::uint32_t count = 0;  ///< leaf: number of entries; inner node: 0
   };
   struct Tree {
     std::vector<Node> nodes;

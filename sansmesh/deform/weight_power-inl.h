@@ -1,4 +1,4 @@
-// Powers for weights, the same bits on every instruction set. Included once for each of them.
+// Powers for weights, bit-identical on every instruction set. Included once per instruction set.
 #if defined(SANSMESH_DEFORM_WEIGHT_POWER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_DEFORM_WEIGHT_POWER_INL_H_
 #undef SANSMESH_DEFORM_WEIGHT_POWER_INL_H_
@@ -15,20 +15,21 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The natural logarithm of normal numbers x > 0, to 2e-16 of itself and of that of the power of two in it.
+/// Natural logarithm of normal numbers x > 0, with an error of 2e-16 relative to the result and to the logarithm of the
+/// power of two in x.
 template <class V>
 HWY_INLINE V LogOfNormal(const V& x) {
   const hn::DFromV<V> d;
   const hn::RebindToUnsigned<decltype(d)> du;
-  // x = 2^e m, m from √½ to √2. That many bits below the exponent make it step at √½.
+  // x = 2^e m, m from √½ to √2. Subtracting these bits moves the step of the exponent to √½.
   const auto bits = hn::Sub(hn::BitCast(du, x), hn::Set(du, std::uint64_t{0x3fe6a09e667f3bcd}));
-  // Moved up by 2048, so that it is not negative.
+  // Shifted by 2048 to be non-negative.
   const auto moved = hn::ShiftRight<52>(hn::Add(bits, hn::Set(du, std::uint64_t{1} << 63)));
   const auto fraction = hn::And(bits, hn::Set(du, (std::uint64_t{1} << 52) - 1));
   const V m = hn::BitCast(d, hn::Add(fraction, hn::Set(du, std::uint64_t{0x3fe6a09e667f3bcd})));
   const V e =
       hn::Sub(hn::BitCast(d, hn::Or(moved, hn::Set(du, std::uint64_t{0x4330000000000000}))), hn::Set(d, 0x1p52 + 2048));
-  // log m = 2 (s + s³/3 + s⁵/5 + …), |s| <= 0.172: what is left out is below 1e-18.
+  // log m = 2 (s + s³/3 + s⁵/5 + …), |s| <= 0.172: the truncation error is below 1e-18.
   const V one = hn::Set(d, 1.0);
   const V s = hn::Div(hn::Sub(m, one), hn::Add(m, one)), square = hn::Mul(s, s);
   V sum = hn::Set(d, 1.0 / 23);
@@ -44,12 +45,12 @@ template <class V>
 HWY_INLINE V ExpOfModerate(const V& x) {
   const hn::DFromV<V> d;
   const hn::RebindToUnsigned<decltype(d)> du;
-  // x = n ln 2 + r, |r| <= ln 2 / 2: adding 3 · 2⁵¹ rounds to whole numbers and leaves n in the lowest bits.
+  // x = n ln 2 + r, |r| <= ln 2 / 2: adding 3 · 2⁵¹ rounds to an integer and leaves n in the lowest bits.
   const V shift = hn::Set(d, 6755399441055744.0);
   const V shifted = hn::Add(hn::Mul(x, hn::Set(d, 1.44269504088896338700)), shift), n = hn::Sub(shifted, shift);
   const V r = hn::Sub(hn::Sub(x, hn::Mul(n, hn::Set(d, 6.93147180369123816490e-01))),
                       hn::Mul(n, hn::Set(d, 1.90821492927058770002e-10)));
-  // Taylor's polynomial: its rest, r¹⁴/14!, is below 5e-18.
+  // Taylor polynomial; the remainder r¹⁴/14! is below 5e-18.
   V sum = hn::Set(d, 1.0 / 6227020800);
   for (const double factorial :
        {479001600.0, 39916800.0, 3628800.0, 362880.0, 40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0, 1.0, 1.0})
@@ -57,8 +58,8 @@ HWY_INLINE V ExpOfModerate(const V& x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(du, sum), hn::ShiftLeft<52>(hn::BitCast(du, shifted))));
 }
 
-/// base^alpha for alpha from 0.5 to 8, to 1e-13 of itself where that lies within 1e-300..1e300 (weights of handles:
-/// 1e-60 and above). Products only where 2 alpha is a whole number.
+/// base^alpha for alpha from 0.5 to 8, with a relative error of 1e-13 for results within 1e-300..1e300 (weights of
+/// handles are 1e-60 and above). Uses only products if 2 alpha is an integer.
 template <class V>
 HWY_INLINE V WeightPower(const V& base, double alpha) {
   const hn::DFromV<V> d;

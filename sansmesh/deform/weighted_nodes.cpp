@@ -7,33 +7,34 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/simd_targets.h"
-// After simd_targets.h, which says what the library holds.
+// After simd_targets.h, which defines the instruction sets of the library.
 #include "sansmesh/deform/weight_power-inl.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr std::size_t kDetourPlaces = 17;  // along a segment, from which ways around cuts are found
-/// Gauss and Legendre's rule of 12 nodes on −1..1: what lies right of the middle.
+constexpr std::size_t kDetourPlaces = 17;  // points along a segment at which detours are computed
+/// Gauss–Legendre rule of 12 nodes on −1..1: its positive half.
 constexpr std::size_t kHalfRule = 6;
 constexpr std::array<double, kHalfRule> kRuleAt{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
                                                 0.7699026741943047, 0.9041172563704749, 0.9815606342467192};
 constexpr std::array<double, kHalfRule> kRuleWeight{0.2491470458134028, 0.2334925365383548, 0.2031674267230659,
                                                     0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
-/// Length of the stretches that one rule covers, for alpha up to 1; peaks are narrower by the root of alpha beyond.
+/// Length of the panels that one rule covers, for alpha up to 1; beyond, peaks are narrower by the square root of
+/// alpha.
 constexpr double kPanel = 2;
-constexpr std::size_t kMostPanels = 4096;  // more than the longest segment has, seen from next to it
-/// Directions weigh as if they were so far from the place that they are no heavier than this at their own handle, in
-/// units of 1 / reach^(2 alpha): beyond that they would drown what the other handles say of the turn about them.
+constexpr std::size_t kMostPanels = 4096;  // above the number for the longest segment at the smallest distance
+/// Upper limit of the weight of directions at their own handle, in units of 1 / reach^(2 alpha): beyond it they would
+/// suppress the other handles' contribution to the rotation.
 constexpr double kMostOfDirection = 1e8;
 
-/// Places nearer to a segment than this share of its length are on it: there weights are so different that rounding
-/// would decide on all but where that is.
+/// Points closer to a segment than this fraction of its length are on it: weights differ so much there that rounding
+/// would determine everything but the position.
 double on_segment(double alpha) { return alpha <= 2 ? 1e-15 : 1e-13 * std::pow(10.0, 0.6 * (alpha - 3)); }
 
 struct NearSegment {
-  double at = 0;      ///< fraction of the point of the line nearest to the place, not clamped
-  double square = 0;  ///< of the distance from the line
+  double at = 0;      ///< fraction of the line's point nearest to x, not clamped
+  double square = 0;  ///< squared distance from the line
 };
 NearSegment near_line(const DeformHandle& h, const Vec3& x) {
   const Vec3 from = x - h.q;
@@ -43,7 +44,7 @@ NearSegment near_line(const DeformHandle& h, const Vec3& x) {
   return near;
 }
 
-/// Linear between those of places evenly along a segment.
+/// Linear interpolation of detours at equidistant points of a segment.
 Detour mixed(const std::array<Detour, kDetourPlaces>& detours, double t) {
   const double at = t * (kDetourPlaces - 1);
   const std::size_t k = std::min(static_cast<std::size_t>(at), kDetourPlaces - 2);
@@ -52,15 +53,15 @@ Detour mixed(const std::array<Detour, kDetourPlaces>& detours, double t) {
   return {a.extra * (1 - f) + b.extra * f, a.gradient * (1 - f) + b.gradient * f};
 }
 
-/// What all nodes of a handle share.
+/// Data shared by all nodes of a handle.
 struct NodeMaker {
   const DeformSetup& setup;
   std::span<const std::shared_ptr<const Occluder>> cuts;
   const Vec3& x;
-  double unit;  ///< square of the distance at which weights are 1
+  double unit;  ///< squared distance at which weights are 1
   NodesFrom& found;
 
-  /// `square` is that of the distance, or a little more where that is next to nothing.
+  /// `square` is the squared distance, raised slightly if close to 0.
   void add(const DeformHandle& h, const Vec3& q, const Vec3& p, double share, double square, const Detour& detour) {
     const double alpha = setup.options.alpha;
     const Vec3 from = x - q;
@@ -92,7 +93,7 @@ struct NodeMaker {
   }
 
   // With t = t0 + (h / L) sinh s, h the distance from the line, the weight (h² + L² (t − t0)²)^−alpha dt and its
-  // moments are smooth functions of s, whose poles lie π/2 away from the real line wherever the place is.
+  // moments are smooth functions of s whose poles are π/2 away from the real line for any x.
   void add_segment(const DeformHandle& h, std::vector<Detour>& scratch) {
     const double length = norm(h.along_q);
     NearSegment near = near_line(h, x);
@@ -106,7 +107,7 @@ struct NodeMaker {
     const auto panels = index_in<std::size_t>(
         std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel), 1, kMostPanels);
     const double half = (last - first) / 2 / static_cast<double>(panels);
-    // Ways around cuts from few places, the same for all x: cuts may keep something for each place.
+    // Detours from a few points, the same for all x, because cuts may cache data per point.
     std::array<Detour, kDetourPlaces> detours;
     if (!cuts.empty())
       for (std::size_t k = 0; k < kDetourPlaces; ++k)

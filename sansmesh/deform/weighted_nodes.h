@@ -1,4 +1,4 @@
-// Handles as weighted points, seen from one place.
+// Handles as weighted points, seen from one point.
 #pragma once
 
 #include <cstddef>
@@ -16,28 +16,28 @@ namespace sansmesh::inline v1::detail {
 struct WeightedNode {
   Vec3 q, p;
   double weight = 0;
-  Vec3 slope;  ///< of the weight by the place
+  Vec3 slope;  ///< gradient of the weight with respect to the point
 };
 
-/// All nodes of all handles; weights in a unit in which the nearest handle has about its `weight`.
+/// All nodes of all handles; weights are scaled so that the nearest handle has about its `weight`.
 struct NodesFrom {
   std::vector<WeightedNode> nodes;
   std::size_t heaviest = 0;
-  std::optional<Vec3> held;  ///< where the place came from, if it lies on a handle
+  std::optional<Vec3> held;  ///< source of the point, if it is on a handle
 };
 
-/// base to the power alpha, the same bits as in kernels.
+/// base to the power alpha, with the same bits as in kernels.
 double weight_power(double base, double alpha);
 
-/// Distances below this are zero but for rounding.
+/// Distances below this are rounding errors.
 double rounding_of(const Vec3& x, const Vec3& q);
 
-/// The nodes as seen from x. `detours` has the ways around the cuts (their sum) from each handle that is a point; those
-/// of nodes of segments are asked for here.
+/// The nodes as seen from x. `detours` has the summed detours around the cuts from each point handle; those of nodes of
+/// segments are computed here.
 void gather_nodes(const DeformSetup& setup, std::span<const std::shared_ptr<const Occluder>> cuts,
                   std::span<const Detour> detours, const Vec3& x, NodesFrom& found);
 
-/// Σ of the ways around all cuts from one place.
+/// Sum over all cuts of the detours from one point.
 void add_detours(std::span<const std::shared_ptr<const Occluder>> cuts, const Vec3& from, std::span<const Vec3> x,
                  std::span<Detour> sums, std::vector<Detour>& scratch);
 

@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kSolverRows = 1024;  ///< vertices a task, and a part of a sum
+constexpr std::size_t kSolverRows = 1024;  ///< vertices per task and per partial sum
 
 template <class Sum>
 double sum_rows(std::size_t n, const Sum& sum) {

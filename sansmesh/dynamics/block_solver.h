@@ -1,5 +1,4 @@
-// Conjugate gradients for steps of implicit integration, with vertices that may not move, or not in all directions
-// [baraff1998].
+// Conjugate gradients for implicit integration, with vertices constrained in all or some directions (baraff1998).
 #pragma once
 
 #include <cstdint>
@@ -10,13 +9,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// What a vertex may do.
+/// Constraint of a vertex.
 struct VertexConstraint {
   enum class Kind : std::uint8_t { free, plane, held };
   Kind kind = Kind::free;
-  Vec3 normal;  ///< plane: unit; the velocity along it is given
+  Vec3 normal;  ///< plane: unit; the velocity along it is prescribed
 
-  /// The part of v that is not given.
+  /// The unconstrained part of v.
   Vec3 filter(const Vec3& v) const {
     return kind == Kind::free ? v : kind == Kind::held ? Vec3{} : v - normal * dot(normal, v);
   }
@@ -25,26 +24,24 @@ struct VertexConstraint {
 struct SolverReport {
   int iterations = 0;
   bool converged = false;
-  bool finite = true;  ///< false: numbers became too large to tell whether it converged
+  bool finite = true;  ///< false: overflow, convergence is undecidable
   double first = 0;    ///< squared norm of the first residual
 };
 
-/// The system (diag(d) + B) w = b with the matrix B of an elastic model, and the memory that solving it takes.
+/// The system (diag(d) + B) w = b with the matrix B of an elastic model, and workspace for its solution.
 class BlockSolver {
  public:
-  /// Takes the model's matrix as it is now. `diagonal` has a positive number for each vertex. Both are kept by
-  /// reference.
+  /// Uses the model's current matrix. `diagonal` has a positive number for each vertex. Both are kept by reference.
   void prepare(const ElasticModel& model, std::span<const double> diagonal);
 
-  /// (diag(d) + B) w.
+  /// Computes (diag(d) + B) w.
   void multiply(std::span<const Vec3> w, std::span<Vec3> product) const;
 
-  /// The squared norm of r where constraints leave vertices free: that of the preconditioner, the inverse blocks of the
-  /// diagonal.
+  /// Squared norm of r over the unconstrained directions, in the norm of the preconditioner (inverse diagonal blocks).
   double squared_size(std::span<const VertexConstraint> constraints, std::span<const Vec3> r) const;
 
-  /// Solves for the parts of w that constraints leave free; the others stay as they come. Ends when the squared norm of
-  /// the residual is squared `tolerance` times the larger of that of the first one and of `size`, or `least`.
+  /// Solves for the unconstrained parts of w; the others keep their values. Ends when the squared norm of the residual
+  /// falls below `least`, or below `tolerance` squared times the larger of `size` and the first squared norm.
   SolverReport solve(std::span<const VertexConstraint> constraints, std::span<const Vec3> b, double size, double least,
                      double tolerance, int iterations, std::span<Vec3> w);
 

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kStateRows = 2048;  ///< vertices a task
+constexpr std::size_t kStateRows = 2048;  ///< vertices per task
 
 }  // namespace
 
@@ -23,12 +23,12 @@ double BodyState::largest_eigenvalue(double h, double unit, bool handles) {
   std::vector<Vec3> p(n), q(n);
   model->linearize(rest, h, q);
   for (std::size_t i = 0; i < n; ++i) {
-    const double sign = names[i] % 2 ? 1 : -1;  // anything that has a part of the fastest
+    const double sign = names[i] % 2 ? 1 : -1;  // any vector with a component of the fastest vibration
     p[i] = Vec3{sign, 0.5 + 0.1 * static_cast<double>(i % 7), sign * (0.3 + 0.1 * static_cast<double>(i % 5))};
   }
   double eigenvalue = 0;
   for (int k = 0; k < kIterations; ++k) {
-    double size = 0;  // in the norm of M
+    double size = 0;  // norm weighted by M
     for (std::size_t i = 0; i < n; ++i) size += is_held[i] ? 0 : masses[i] * squared_norm(p[i]);
     const double scale = size > 0 ? 1 / std::sqrt(size) : 0;
     for (std::size_t i = 0; i < n; ++i) p[i] *= is_held[i] ? 0 : scale, q[i] = {};
@@ -48,7 +48,7 @@ double BodyState::largest_eigenvalue(double h, double unit, bool handles) {
 
 double BodyState::stable_step() {
   if (!integrator.stable_step) return std::numeric_limits<double>::infinity();
-  // The matrix h² K + h D of a long step is K alone, that of a short one D.
+  // The matrix h² K + h D is dominated by K for a long step, by D for a short one.
   constexpr double kLong = 1e6, kShort = 1e-9;
   const bool springs = options.model == SoftBodyModel::springs;
   VibrationBounds found;
@@ -71,7 +71,7 @@ void BodyState::explode(std::span<const Vec3> at) {
   const double stable = stable_step();
   if (!(stable > 0)) {
     throw DataError(
-        fmt::format("{}: {} is not stable without damping, however short the `step`: take "
+        fmt::format("{}: {} is unstable without damping for any `step`: take "
                     "`integrator = velocity-verlet` or `implicit-euler`",
                     what, integrator.name));
   }

@@ -1,5 +1,5 @@
-// The inside of a soft body: what its integrators work on. Vertices are in an order of their own, in which neighbours
-// in space are neighbours in memory.
+// Internal state of a soft body, on which its integrators operate. Vertices are reordered so that neighbours in space
+// are neighbours in memory.
 #pragma once
 
 #include <cstdint>
@@ -25,33 +25,33 @@ struct BodyState {
   std::unique_ptr<ElasticModel> model;
   ObstacleSet obstacles;
   SceneDrive drive;
-  std::vector<std::uint32_t> names;   ///< a user's numbers of the vertices
-  std::vector<double> masses;         ///< kg; 1 of vertices without a tetrahedron, which are held
-  std::vector<Vec3> weights;          ///< N; zero of those
-  std::vector<std::uint8_t> is_held;  ///< 1: its motion is given
+  std::vector<std::uint32_t> names;   ///< original vertex indices
+  std::vector<double> masses;         ///< kg; 1 for vertices without a tetrahedron, which are held
+  std::vector<Vec3> weights;          ///< N; zero for those
+  std::vector<std::uint8_t> is_held;  ///< 1: its motion is prescribed
 
   double time = 0;
   std::vector<Vec3> x, v;
   std::vector<Vec3> rest;  ///< positions
-  double lag = 0;          ///< v is that of so much before `time`: half a step in Verlet's method, else 0
+  double lag = 0;          ///< v refers to `time` − lag: half a step in Verlet's method, else 0
 
-  double near = 0;     ///< length: what is not farther from an obstacle touches it
-  double longest = 0;  ///< length: who moves farther in a step has exploded
+  double near = 0;     ///< contact distance (length)
+  double longest = 0;  ///< displacement per step (length) above which the body counts as exploded
 
   std::size_t size() const { return x.size(); }
 
-  /// All forces at positions x, velocities v and time t. Throws DataError where the body has exploded.
+  /// All forces at positions x, velocities v and time t. Throws DataError if the body has exploded.
   void forces(std::span<const Vec3> at, std::span<const Vec3> velocities, double t, std::span<Vec3> f);
-  /// Velocities of the same moment as the positions.
+  /// Velocities at the time of the positions.
   std::vector<Vec3> velocities_now();
   /// SoftBody::stable_step.
   double stable_step();
-  /// Throws DataError: what exploded, and the remedy.
+  /// Throws DataError that describes the failure and the remedy.
   [[noreturn]] void explode(std::span<const Vec3> at);
 
  private:
-  /// The largest eigenvalue of M⁻¹ (A + handles K), with the model's matrix A for the step h divided by `unit`, where
-  /// what is held rests.
+  /// Largest eigenvalue of M⁻¹ (A + handles K), with the model's matrix A for the step h divided by `unit`, and held
+  /// vertices at rest.
   double largest_eigenvalue(double h, double unit, bool handles);
 };
 

@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kTetRange = 512, kVertexRange = 512, kEdgeRange = 1024;  ///< a task
+constexpr std::size_t kTetRange = 512, kVertexRange = 512, kEdgeRange = 1024;  ///< items per task
 
 Vec3 times(const Matrix3& m, const Vec3& v) { return m.a * v.x + m.b * v.y + m.c * v.z; }
 Vec3 transposed_times(const Matrix3& m, const Vec3& v) { return {dot(m.a, v), dot(m.b, v), dot(m.c, v)}; }
@@ -90,7 +90,7 @@ bool CorotationalModel::forces(std::span<const Vec3> x, std::span<const Vec3> v,
   return sane;
 }
 
-/// −K_ij of an edge, by rows: the sum of −V (λ g_i g_jᵀ + μ (g_i · g_j I + g_j g_iᵀ)) over the tetrahedra around it.
+/// −K_ij of an edge, by rows: the sum of −V (λ g_i g_jᵀ + μ (g_i · g_j I + g_j g_iᵀ)) over the surrounding tetrahedra.
 CorotationalModel::Block CorotationalModel::edge_block(std::size_t edge) const {
   Block sum;
   for (std::size_t k = around_.begin[edge]; k < around_.begin[edge + 1]; ++k) {

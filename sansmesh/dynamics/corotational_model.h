@@ -1,4 +1,4 @@
-// Linear elasticity in the rotated frame of each tetrahedron (METHODS §7.2, beyond the source; [mueller2004]).
+// Linear elasticity in the rotated frame of each tetrahedron (mueller2004).
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// E = V (μ ‖Rᵀ F − I‖² + λ/2 tr²(Rᵀ F − I)) of each tetrahedron with the gradient F of its deformation and the
-/// rotation R in it, which never flips: tetrahedra that are inside out are turned back. The matrix is that of linear
-/// elasticity in the rotated frames, positive semidefinite whatever the deformation. Damping is β K v.
+/// E = V (μ ‖Rᵀ F − I‖² + λ/2 tr²(Rᵀ F − I)) of each tetrahedron with its deformation gradient F and the rotation R of
+/// F, which never reflects: inverted tetrahedra return to their orientation. The matrix is that of linear elasticity in
+/// the rotated frames, positive semidefinite for any deformation. Damping is β K v.
 class CorotationalModel final : public ElasticModel {
  public:
   /// Tetrahedra of positive volume. Young's modulus in pascals, Poisson's ratio below 0.5, β in seconds.
@@ -36,12 +36,12 @@ class CorotationalModel final : public ElasticModel {
 
   std::vector<Tet> tets_;
   std::vector<TetGradients> shapes_;          ///< at rest
-  std::vector<Turn> turns_;                   ///< where the search for the next rotation begins
+  std::vector<Turn> turns_;                   ///< initial guess of the next rotation
   std::vector<std::array<Vec3, 3>> carried_;  ///< gradients in the rotated frame
-  std::vector<std::array<Vec3, 3>> pulls_;    ///< forces on corners 1 to 3; that on corner 0 is minus their sum
+  std::vector<std::array<Vec3, 3>> pulls_;    ///< forces on corners 1 to 3; the force on corner 0 is minus their sum
   VertexGraph graph_;
   ItemLists corners_, around_;
-  std::vector<Block> blocks_;  ///< of each edge: what multiplies p_i − p_j in row i, transposed in row j
+  std::vector<Block> blocks_;  ///< per edge: factor of p_i − p_j in row i, transposed in row j
   double mu_, lambda_, damping_;
 };
 

@@ -1,4 +1,4 @@
-// What holds a body together: forces between its vertices, and how they change with positions and velocities.
+// Elastic forces of a body and their derivatives.
 #pragma once
 
 #include <cstddef>
@@ -20,33 +20,33 @@ struct SymmetricBlock {
   }
 };
 
-/// Spans have an entry for each vertex, in the model's own order. Sums are taken in a fixed order: results do not
-/// depend on threads.
+/// Spans have an entry for each vertex, in the model's own order. Sums have a fixed order, so that results do not
+/// depend on the number of threads.
 class ElasticModel {
  public:
-  /// Where the stretch of what lies between vertices is beyond this, the body has exploded.
+  /// Largest stretch of an edge or tetrahedron; beyond it, the body has exploded.
   static constexpr double kMostStretch = 1000;
 
   virtual ~ElasticModel() = default;
 
-  /// f = elastic forces at x and damping at v, where v is not empty. False where something is stretched beyond
+  /// f = elastic forces at x, plus damping at v if v is not empty. Returns false if something is stretched beyond
   /// kMostStretch, or not finite.
   virtual bool forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> f) = 0;
 
-  /// The same without damping, and the matrix h² K + h D of the derivatives K = −∂f/∂x (without what could make it
-  /// indefinite) and D = −∂f/∂v there, kept until the next call.
+  /// Elastic forces, and the matrix h² K + h D of the derivatives K = −∂f/∂x (without indefinite parts) and D = −∂f/∂v,
+  /// which is kept until the next call.
   virtual bool linearize(std::span<const Vec3> x, double h, std::span<Vec3> f) = 0;
 
-  /// Rows first .. last − 1 of that matrix times p, added to q.
+  /// Adds rows first .. last − 1 of that matrix times p to q.
   virtual void add_rows(std::size_t first, std::size_t last, std::span<const Vec3> p, std::span<Vec3> q) const = 0;
-  /// The block of vertex i with itself.
+  /// Diagonal block of vertex i.
   virtual SymmetricBlock diagonal(std::size_t i) const = 0;
 
-  /// Joules.
+  /// Energy in joules.
   virtual double energy(std::span<const Vec3> x) const = 0;
 
-  /// Where forces() or linearize() found the worst at these positions: "edge 17–23 is 2e5 times its length".
-  /// `names` are the numbers that a user knows the vertices by.
+  /// Description of the worst stretch that forces() or linearize() found: "edge 17–23 is 2e5 times its length". `names`
+  /// are the original vertex indices.
   virtual std::string worst(std::span<const Vec3> x, std::span<const std::uint32_t> names) const = 0;
 };
 

@@ -4,12 +4,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Held vertices move as they are told.
+/// Sets the velocities of held vertices from their prescribed motion.
 void ExplicitStepper::give_velocities(BodyState& body, double h, std::span<const Vec3> held) const {
   for (std::size_t k = 0; k < held.size(); ++k) body.v[body.drive.held()[k]] = (held[k] - held_before_[k]) / h;
 }
 
-/// Puts held vertices where they are at the end of the step, and others out of obstacles. The number that touch one.
+/// Moves held vertices to their positions at the end of the step, and the others out of obstacles. Returns the number
+/// of contacts.
 int ExplicitStepper::settle(BodyState& body, double h, std::span<const Vec3> held) const {
   for (std::size_t k = 0; k < held.size(); ++k) body.x[body.drive.held()[k]] = held[k];
   give_velocities(body, h, held);

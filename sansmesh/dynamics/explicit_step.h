@@ -1,4 +1,4 @@
-// What the steps of explicit integrators have in common: held vertices, and obstacles.
+// Common part of explicit steps: held vertices and obstacles.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@ class ExplicitStepper : public BodyStepper {
   void step(BodyState& body, double h, StepReport& report) final;
 
  protected:
-  static constexpr std::size_t kExplicitRows = 2048;  ///< vertices a task
+  static constexpr std::size_t kExplicitRows = 2048;  ///< vertices per task
 
-  /// `by_velocity_before`: move() takes positions on by the velocities at the beginning, which obstacles had corrected.
+  /// `by_velocity_before`: move() advances positions with the initial velocities, which obstacles have corrected.
   explicit ExplicitStepper(bool by_velocity_before) : by_velocity_before_(by_velocity_before) {}
 
-  /// Positions and velocities of the free body after h seconds from body.time on.
+  /// Positions and velocities of the free body h seconds after body.time.
   virtual void move(BodyState& body, double h) = 0;
-  /// Held vertices are where they are at body.time, the end, others out of obstacles: what is left to do.
+  /// Called at the end of the step, when held vertices are in place and the others outside obstacles.
   virtual void arrive(BodyState& body, double h);
 
  private:

@@ -1,5 +1,5 @@
-// The explicit integrators: Euler's, Verlet's, velocity Verlet's. An eigenvector of a method's step turns the matrices
-// M, K and D into numbers: what is stable for ẍ = −ω² x − c ẋ with all ω² and c in the bounds is so for the body.
+// Explicit integrators: Euler, Verlet, velocity Verlet. On an eigenvector of a method's step the matrices M, K and D
+// are numbers: a step that is stable for ẍ = −ω² x − c ẋ, for all ω² and c within the bounds, is stable for the body.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,7 +29,7 @@ class EulerStepper : public ExplicitStepper {
   std::vector<Vec3> force_;
 };
 
-/// 1 + h λ in the unit circle, λ² + c λ + ω² = 0: h <= c / ω² of what vibrates, 2 / |λ| of what creeps.
+/// 1 + h λ in the unit circle, λ² + c λ + ω² = 0: h <= c / ω² for oscillations, 2 / |λ| for overdamped motions.
 double stable_for_euler(const VibrationBounds& bounds) {
   const double w = bounds.frequency, c = bounds.decay, alpha = bounds.uniform_decay;
   const double whole = alpha + bounds.relative_decay * w;
@@ -38,7 +38,7 @@ double stable_for_euler(const VibrationBounds& bounds) {
   return c > 0 ? std::min(least, 2 / c) : least;
 }
 
-/// x(t + h) = 2 x(t) − x(t − h) + h² a(t), where v is (x(t) − x(t − h)) / h: that of half a step before.
+/// x(t + h) = 2 x(t) − x(t − h) + h² a(t) with v = (x(t) − x(t − h)) / h, the velocity half a step earlier.
 class VerletStepper : public ExplicitStepper {
  public:
   VerletStepper() : ExplicitStepper(false) {}
@@ -47,7 +47,8 @@ class VerletStepper : public ExplicitStepper {
   void move(BodyState& body, double h) override {
     force_.resize(body.size());
     body.forces(body.x, body.v, body.time, force_);
-    const double gained = 0.5 * h + body.lag;  // the first step, and one of another length: from half its own before
+    // First step, or changed step length: half of the previous step is missing.
+    const double gained = 0.5 * h + body.lag;
     parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       body.v[i] += force_[i] * (gained / body.masses[i]);
       body.x[i] += body.v[i] * h;
@@ -92,7 +93,7 @@ class VelocityVerletStepper : public ExplicitStepper {
   }
 
   std::vector<Vec3> force_, guess_;
-  bool known_ = false;  ///< force_ is that at the body's positions
+  bool known_ = false;  ///< force_ is valid for the body's positions
 };
 
 /// z³ + (ω² h² + 3/2 c h − 2) z² + (1 − 2 c h) z + 1/2 c h: ω² h² + 4 c h <= 4.
@@ -108,15 +109,15 @@ std::unique_ptr<BodyStepper> make_stepper() {
 
 constexpr BodyIntegrator kExplicit[] = {
     {.name = "explicit-euler",
-     .summary = "Euler's, of first order",
+     .summary = "explicit Euler method, first order",
      .make = make_stepper<EulerStepper>,
      .stable_step = stable_for_euler},
     {.name = "verlet",
-     .summary = "Störmer's, by positions: damped by the velocity of half a step ago",
+     .summary = "Störmer's method on positions; damping uses the velocity half a step earlier",
      .make = make_stepper<VerletStepper>,
      .stable_step = stable_for_verlet},
     {.name = "velocity-verlet",
-     .summary = "damped by velocities at the same moment",
+     .summary = "damping uses the velocity of the same moment",
      .make = make_stepper<VelocityVerletStepper>,
      .stable_step = stable_for_velocity_verlet}};
 

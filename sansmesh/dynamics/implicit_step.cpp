@@ -9,16 +9,16 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kImplicitRows = 2048;  ///< vertices a task
-constexpr int kContactPasses = 6;            ///< systems solved at most until contacts agree with the solution
-constexpr int kCalmParts = 4;                ///< that converge before a longer one is tried
-constexpr double kRounding = 1e-12;          ///< of momentum and forces: no residual is known better
-constexpr double kSameLoad = 0.1;            ///< relative change of a load that friction need not follow
+constexpr std::size_t kImplicitRows = 2048;  ///< vertices per task
+constexpr int kContactPasses = 6;    ///< largest number of systems solved until contacts agree with the solution
+constexpr int kCalmParts = 4;        ///< successive convergent substeps before a longer one is tried
+constexpr double kRounding = 1e-12;  ///< lower bound of attainable residuals of momentum and forces
+constexpr double kSameLoad = 0.1;    ///< relative change of a load that friction ignores
 
 }  // namespace
 
-/// The system for the velocities at the end, (M − h ∂f/∂v − h² ∂f/∂x) (v + Δv) = M v + h f, where f is without damping:
-/// this is what subtracting the matrix times v from both sides of it leaves of METHODS' system for Δv.
+/// The system for the velocities at the end, (M − h ∂f/∂v − h² ∂f/∂x) (v + Δv) = M v + h f with f without damping:
+/// tejada2008, equation 6.43, for Δv plus the matrix times v on both sides.
 void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> held) {
   const std::size_t n = body.size();
   for (auto* list : {&force_, &external_, &momentum_, &base_, &right_, &wanted_, &reaction_}) list->resize(n);
@@ -35,7 +35,7 @@ void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> he
     external_[vertex] += (targets[k] - body.x[vertex]) * stiffness;
     diagonal_[vertex] += h * h * stiffness;
   }
-  // Where conjugate gradients begin: of what nothing holds, and falls, the velocity with that of falling.
+  // Initial guess: for an unconstrained falling body, the velocity with that of the fall.
   const bool free = held.empty() && falls();
   parallel_for(0, n, kImplicitRows, [&](std::size_t i) {
     external_[i] *= h;
@@ -58,8 +58,8 @@ bool ImplicitStepper::falls() const {
                      [](const VertexTouch& touch) { return touch.obstacle == VertexTouch::kNone; });
 }
 
-/// The sum of all equations holds exactly, whatever the tolerance: as the model's matrix is zero on translations, it is
-/// that of Σ d w = Σ b, met by the translation that leaves the least error.
+/// Makes the sum of all equations exact for any tolerance. The model's matrix is zero on translations, so the sum is
+/// that of Σ d w = Σ b; a translation satisfies it with the least error.
 void ImplicitStepper::keep_momentum() {
   struct Sums {
     Vec3 missing;
@@ -81,7 +81,7 @@ void ImplicitStepper::keep_momentum() {
   parallel_for(0, wanted_.size(), kImplicitRows, [&](std::size_t i) { wanted_[i] += gain; });
 }
 
-/// Contacts as constraints of the solver, friction of those that slide as impulses.
+/// Contacts as constraints of the solver; friction of sliding contacts as impulses.
 void ImplicitStepper::constrain(const BodyState& body, double h) {
   right_ = base_;
   if (body.obstacles.empty()) return;
@@ -101,8 +101,8 @@ void ImplicitStepper::constrain(const BodyState& body, double h) {
   });
 }
 
-/// Looks whether the obstacles push, and hold by friction, no more than they can, and whether nothing else runs into
-/// them. False where this was so already.
+/// Checks whether the obstacles push, and hold by friction, no more than possible, and whether other vertices penetrate
+/// them. Returns false if all contacts were consistent.
 bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
   solver_.multiply(wanted_, reaction_);
   const auto revise = [&](std::size_t i) {
@@ -117,8 +117,8 @@ bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
         if (distance < deepest) deepest = distance, out = normal, touch.obstacle = static_cast<std::int32_t>(o);
       }
       if (touch.obstacle == VertexTouch::kNone) return false;
-      // Sticks if friction could stop it, were it alone: what is fast must not be stopped to learn its load.
-      // What began inside may be on its way out.
+      // Sticks if friction could stop it in isolation: a fast vertex must not be stopped to determine its load. A
+      // vertex that began inside may be on its way out.
       const double into = -dot(out, wanted_[i]), pressed = std::max(0.0, into);
       const Vec3 along = wanted_[i] + out * into;
       const double speed = norm(along);
@@ -135,7 +135,7 @@ bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
     }
     if (!(friction > 0)) return false;
     if (touch.sliding) {
-      if (dot(wanted_[i], touch.drag) > 0 && !touch.settled) {  // friction would drive it
+      if (dot(wanted_[i], touch.drag) > 0 && !touch.settled) {  // friction would accelerate it
         touch.sliding = false, touch.settled = true;
         return true;
       }
@@ -196,8 +196,8 @@ bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
   const auto held = body.drive.held_positions(body.time + h);
   set_up(body, h, held);
   touches_before_ = touches_;
-  // What drives the step is the first residual, METHODS' right-hand side, or forces from outside where these are in
-  // balance with others. How fast the body is does not count: a small force on a fast one acts, too.
+  // The step is driven by the first residual, the right-hand side for Δv, or by external forces if these balance
+  // others. The speed of the body does not count: a small force also acts on a fast body.
   double drive = 0, least = 0;
   for (int pass = 1;; ++pass) {
     constrain(body, h);
@@ -228,7 +228,7 @@ bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
 }
 
 void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
-  // Parts are counted in the shortest that there may be, so that they end where the step ends.
+  // Counts in units of the shortest substep, so that substeps end exactly with the step.
   const long whole = 1L << body.options.halvings;
   for (long done = 0; done < whole;) {
     const long size = whole >> level_;
@@ -237,7 +237,7 @@ void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
       ++report.halvings, calm_ = 0;
       if (level_ == body.options.halvings) {
         throw DataError("conjugate gradients do not converge in " + std::to_string(body.options.iterations) +
-                        " iterations, however short the step: allow more `iterations`, a larger `tolerance` or more "
+                        " iterations for any step: allow more `iterations`, a larger `tolerance` or more "
                         "`halvings`");
       }
       ++level_;
@@ -255,7 +255,7 @@ namespace {
 
 constexpr BodyIntegrator kImplicit[] = {
     {.name = "implicit-euler",
-     .summary = "Baraff and Witkin's, for stiff bodies and long steps",
+     .summary = "Baraff and Witkin's method, for stiff bodies and long steps",
      .make = []() -> std::unique_ptr<BodyStepper> { return std::make_unique<ImplicitStepper>(); },
      .is_implicit = true}};
 

@@ -1,4 +1,4 @@
-// Units of length by name.
+// Named units of length.
 #pragma once
 
 #include <optional>

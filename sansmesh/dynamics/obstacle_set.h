@@ -1,4 +1,4 @@
-// Obstacles as vertices meet them.
+// Collision of vertices with obstacles.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// What an obstacle is to a point: its signed distance, negative within, and the direction out of it.
+/// Signed distance of a point from an obstacle, negative inside, and the outward direction.
 struct ObstacleSide {
   double distance = 0;
   Vec3 normal;
@@ -24,17 +24,17 @@ class ObstacleSet {
   ObstacleSide side(std::size_t obstacle, const Vec3& x) const;
   double friction(std::size_t obstacle) const;
 
-  /// Moves x out of all obstacles that it is in, as far as one after the other can, and takes from v what leads into
-  /// those that it is in or within `near` of, and Coulomb's share of what leads along them; from x, too, what that
-  /// share made of the way in the time `moved` for which x has gone with v: where it sticks it stays. Whether there was
-  /// an obstacle.
+  /// Moves x out of all obstacles that contain it, sequentially. Removes from v the component into obstacles that
+  /// contain x or are within `near`, and Coulomb's share of the tangential component. Removes from x the effect of that
+  /// share over the time `moved` during which x has moved with v, so that a sticking point stays. Returns whether there
+  /// was contact.
   bool push_out(Vec3& x, Vec3& v, double near, double moved) const;
 
-  /// Whether x lies in an obstacle, deeper than `near`.
+  /// Whether an obstacle contains x deeper than `near`.
   bool holds(const Vec3& x, double near) const;
 
  private:
-  std::vector<FloorObstacle> floors_;  ///< unit normals
+  std::vector<FloorObstacle> floors_;  ///< with unit normals
   std::vector<SphereObstacle> spheres_;
 };
 

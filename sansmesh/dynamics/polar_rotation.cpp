@@ -6,7 +6,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// q turned further about its own axes by (approximately, for short ones) the vector w.
+/// q rotated further about its own axes by the vector w (to first order).
 Turn turned_by(const Turn& q, const Vec3& w) {
   const double x = 0.5 * w.x, y = 0.5 * w.y, z = 0.5 * w.z;
   Turn r{q.w - q.x * x - q.y * y - q.z * z, q.x + q.w * x + q.y * z - q.z * y, q.y + q.w * y + q.z * x - q.x * z,
@@ -15,7 +15,7 @@ Turn turned_by(const Turn& q, const Vec3& w) {
   return {r.w * scale, r.x * scale, r.y * scale, r.z * scale};
 }
 
-/// Eigenvalues and unit eigenvectors of a symmetric matrix (a by columns), by Jacobi's rotations.
+/// Eigenvalues and unit eigenvectors of a symmetric matrix (a by columns), by Jacobi rotations.
 struct Eigenpairs {
   Vec3 values;
   std::array<Vec3, 3> vectors{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -48,8 +48,8 @@ Eigenpairs eigenpairs_of(std::array<Vec3, 3> a) {
   return found;
 }
 
-/// Where the second derivative is not negative definite: uphill by Newton's step with the curvatures' sizes instead of
-/// their signs, and away from a saddle along the axis that gains most. Zero on a ridge, which is as good as it gets.
+/// Ascent step where the second derivative is not negative definite: Newton's step with absolute curvatures, and away
+/// from a saddle along the axis of largest gain. Zero on a ridge, which is a maximum.
 Vec3 step_uphill(const std::array<Vec3, 3>& curvature, const Vec3& g, double size) {
   const Eigenpairs pairs = eigenpairs_of(curvature);
   Vec3 w;
@@ -79,7 +79,7 @@ Turn nearest_turn(const Matrix3& f, const Turn& guess) {
     const Vec3 g{b.z - c.y, c.x - a.z, a.y - b.x};
     const double xy = -0.5 * (b.x + a.y), xz = -0.5 * (c.x + a.z), yz = -0.5 * (c.y + b.z);
     const double xx = b.y + c.z, yy = a.x + c.z, zz = a.x + b.y;
-    // Positive definite: a maximum is near, and the step leads uphill.
+    // Positive definite: a maximum is near, and Newton's step ascends.
     const double minor = xx * yy - xy * xy, determinant = minor * zz - xx * yz * yz + 2 * xy * yz * xz - yy * xz * xz;
     constexpr double kLeast = 1e-13;
     const bool maximum =
@@ -97,7 +97,7 @@ Turn nearest_turn(const Matrix3& f, const Turn& guess) {
     const double length = norm(w);
     if (length > 1) w *= 1 / length;
     q = turned_by(q, w);
-    if (maximum && length < 1e-7) break;  // quadratic: what is left is rounding
+    if (maximum && length < 1e-7) break;  // quadratic convergence: the rest is rounding
   }
   return q;
 }

@@ -1,4 +1,4 @@
-// The rotation in a deformation gradient.
+// Rotation of a deformation gradient by polar decomposition.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace sansmesh::inline v1 {
 struct Turn {
   double w = 1, x = 0, y = 0, z = 0;
 
-  /// As a matrix, by columns.
+  /// Rotation matrix, by columns.
   Matrix3 matrix() const {
     return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
             {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
@@ -21,9 +21,9 @@ struct Turn {
   }
 };
 
-/// The rotation R for which the trace of Rᵀ F is largest: that of the polar decomposition, and of the nearest rotation
-/// where F is inside out. Never a reflection. Looked for from `guess` by Newton's method on rotations; near the right
-/// one a step or two. Where R is not unique (F flat, or inside out with equal stretches) one of them, near the guess.
+/// The rotation R that maximises the trace of Rᵀ F: that of the polar decomposition or, where F is inverted, the
+/// nearest rotation. Never a reflection. Newton's method on rotations starts from `guess`; near the solution it takes
+/// one or two steps. If R is not unique (F flat, or inverted with equal stretches), returns one near the guess.
 Turn nearest_turn(const Matrix3& f, const Turn& guess);
 
 }  // namespace sansmesh::inline v1

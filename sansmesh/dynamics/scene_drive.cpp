@@ -17,7 +17,7 @@ HandleKey key_at(const std::vector<HandleKey>& keys, double t) {
   return {t, a.displacement * (1 - s) + b.displacement * s, a.turn * (1 - s) + b.turn * s};
 }
 
-/// d turned about an axis through the origin by the vector's length (Rodrigues).
+/// d rotated by a rotation vector (Rodrigues).
 Vec3 turned(const Vec3& d, const Vec3& turn) {
   const double angle = norm(turn);
   if (!(angle > 0)) return d;

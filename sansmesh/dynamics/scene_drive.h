@@ -1,4 +1,4 @@
-// What a scene does to the vertices at each moment.
+// Prescribed motions and forces of a scene at each moment.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// A vertex on a spring to a target that moves.
+/// A vertex attached by a spring to a moving target.
 struct PulledVertex {
   std::uint32_t vertex = 0;
   double stiffness = 0;  ///< N/m
@@ -17,13 +17,13 @@ struct PulledVertex {
 
 class SceneDrive {
  public:
-  /// Numbers of the scene become place[number], which index `rest`. Those of `loose` are held like fixed ones.
+  /// A vertex i of the scene becomes place[i], an index into `rest`. Vertices in `loose` are held like fixed ones.
   SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> place,
              std::span<const std::uint32_t> loose);
 
-  /// Vertices whose motion is given: fixed ones and those of handles without stiffness.
+  /// Vertices with prescribed motion: fixed ones and those of handles without stiffness.
   std::span<const std::uint32_t> held() const { return held_; }
-  /// Where they are at time t, in that order.
+  /// Their positions at time t, in that order.
   std::span<const Vec3> held_positions(double t);
 
   std::span<const PulledVertex> pulled() const { return pulled_; }
@@ -34,7 +34,7 @@ class SceneDrive {
 
  private:
   struct Handle {
-    std::size_t first, count;  ///< in held_, or in pulled_
+    std::size_t first, count;  ///< range in held_ or pulled_
     bool rigid;
     Vec3 center;
     std::vector<HandleKey> keys;

@@ -7,59 +7,59 @@
 #include <numbers>
 #include <utility>
 
+#include "sansmesh/core/json_fields-inl.h"
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/length_unit.h"
-#include "sansmesh/dynamics/scene_fields-inl.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::SceneFields;
-using detail::SceneJson;
+using detail::JsonFields;
+using detail::JsonValue;
 
 class SceneReader {
  public:
   SceneReader(const SceneVertices& vertices, bool z_up)
       : vertices_(vertices), z_up_(z_up), box_(bounds(*vertices.mesh)) {}
 
-  SceneScript read(const SceneJson& json) {
-    const SceneFields f(json, "",
-                        {"model",
-                         "integrator",
-                         "step",
-                         "duration",
-                         "fps",
-                         "unit",
-                         "up",
-                         "stiffness",
-                         "damping",
-                         "young",
-                         "poisson",
-                         "mass_damping",
-                         "stiffness_damping",
-                         "density",
-                         "mass",
-                         "tolerance",
-                         "iterations",
-                         "halvings",
-                         "gravity",
-                         "friction",
-                         "fixed",
-                         "forces",
-                         "handles",
-                         "floor",
-                         "spheres"});
+  SceneScript read(const JsonValue& json) {
+    const JsonFields f(json, "",
+                       {"model",
+                        "integrator",
+                        "step",
+                        "duration",
+                        "fps",
+                        "unit",
+                        "up",
+                        "stiffness",
+                        "damping",
+                        "young",
+                        "poisson",
+                        "mass_damping",
+                        "stiffness_damping",
+                        "density",
+                        "mass",
+                        "tolerance",
+                        "iterations",
+                        "halvings",
+                        "gravity",
+                        "friction",
+                        "fixed",
+                        "forces",
+                        "handles",
+                        "floor",
+                        "spheres"});
     SceneScript s;
     read_material(f, s);
     if (f.has("fixed")) s.scene.fixed = unique(selections(f.at("fixed"), "fixed"));
     if (f.has("forces"))
-      for (const auto& [where, entry] : detail::scene_entries(f.at("forces"), "forces"))
+      for (const auto& [where, entry] : detail::json_entries(f.at("forces"), "forces"))
         s.scene.forces.push_back(force(*entry, where));
     if (f.has("handles")) {
       std::vector<std::uint8_t> held(vertices_.mesh->vertices.size(), 0);
       for (const std::uint32_t v : s.scene.fixed) held[v] = 1;
-      for (const auto& [where, entry] : detail::scene_entries(f.at("handles"), "handles")) {
+      for (const auto& [where, entry] : detail::json_entries(f.at("handles"), "handles")) {
         s.scene.handles.push_back(handle(*entry, where));
         for (const std::uint32_t v : s.scene.handles.back().vertices) {
           const Vec3& x = vertices_.mesh->vertices[v];
@@ -80,7 +80,7 @@ class SceneReader {
     return v;
   }
 
-  void read_material(const SceneFields& f, SceneScript& s) const {
+  void read_material(const JsonFields& f, SceneScript& s) const {
     if (f.has("model")) {
       s.model = soft_body_model(f.text("model"));
       if (!s.model) f.fail("'model' must be springs or corotational");
@@ -97,7 +97,7 @@ class SceneReader {
                                      {"young", &s.young},
                                      {"density", &s.density},
                                      {"mass", &s.mass}}) {
-      f.get(key, *value, &SceneFields::number);
+      f.get(key, *value, &JsonFields::number);
       if (*value && !(**value > 0)) f.fail(fmt::format("'{}' must be above 0", key));
     }
     for (const auto& [key, value] : {std::pair{"damping", &s.damping},
@@ -106,12 +106,12 @@ class SceneReader {
                                      {"stiffness_damping", &s.stiffness_damping},
                                      {"tolerance", &s.tolerance},
                                      {"friction", &s.friction}}) {
-      f.get(key, *value, &SceneFields::number);
+      f.get(key, *value, &JsonFields::number);
       if (*value && !(**value >= 0)) f.fail(fmt::format("'{}' must not be negative", key));
     }
-    f.get("iterations", s.iterations, &SceneFields::whole);
-    f.get("halvings", s.halvings, &SceneFields::whole);
-    // The ranges of SoftBodyOptions, told by the scene's keys.
+    f.get("iterations", s.iterations, &JsonFields::whole);
+    f.get("halvings", s.halvings, &JsonFields::whole);
+    // Ranges of SoftBodyOptions, reported with the scene's keys.
     if (s.poisson && *s.poisson > 0.49) f.fail("'poisson' must lie in 0..0.49");
     if (s.tolerance && !(*s.tolerance >= 1e-14 && *s.tolerance <= 0.1)) f.fail("'tolerance' must lie in 1e-14..0.1");
     if (s.iterations && *s.iterations < 1) f.fail("'iterations' must be at least 1");
@@ -133,7 +133,7 @@ class SceneReader {
     }
   }
 
-  static double unit(const SceneFields& f) {
+  static double unit(const JsonFields& f) {
     if (f.at("unit").is_number()) {
       const double metres = f.number("unit");
       if (!(metres >= kLeastUnit && metres <= kMostUnit))
@@ -144,7 +144,7 @@ class SceneReader {
     f.fail("'unit' must be mm, cm, dm, m, km, inch, foot, or its length in metres");
   }
 
-  std::uint32_t vertex(const SceneJson& v, const std::string& where) const {
+  std::uint32_t vertex(const JsonValue& v, const std::string& where) const {
     if (!v.is_number_unsigned() && !(v.is_number_integer() && v.get<std::int64_t>() >= 0))
       throw ArgumentError(where + ": numbers of vertices must be whole and not negative");
     return named(v.get<std::uint64_t>(), where);
@@ -163,15 +163,15 @@ class SceneReader {
     return all;
   }
 
-  /// A file, a list of numbers, an object, or several of them: all that any of them says.
-  std::vector<std::uint32_t> selections(const SceneJson& json, const std::string& where) const {
+  /// A file, a list of numbers, an object, or several of them: the union of all.
+  std::vector<std::uint32_t> selections(const JsonValue& json, const std::string& where) const {
     std::vector<std::uint32_t> all;
     if (json.is_array() && !json.empty() &&
-        std::all_of(json.begin(), json.end(), [](const SceneJson& v) { return v.is_number(); })) {
-      for (const SceneJson& v : json) all.push_back(vertex(v, where));
+        std::all_of(json.begin(), json.end(), [](const JsonValue& v) { return v.is_number(); })) {
+      for (const JsonValue& v : json) all.push_back(vertex(v, where));
       return all;
     }
-    for (const auto& [place, entry] : detail::scene_entries(json, where)) {
+    for (const auto& [place, entry] : detail::json_entries(json, where)) {
       if (entry->is_number())
         all.push_back(vertex(*entry, place));
       else if (const std::vector<std::uint32_t> some = selection(*entry, place); true)
@@ -180,10 +180,10 @@ class SceneReader {
     return all;
   }
 
-  /// All that every condition of it says; none is an error.
-  std::vector<std::uint32_t> selection(const SceneJson& json, const std::string& where) const {
+  /// The vertices that satisfy all conditions of an object; none is an error.
+  std::vector<std::uint32_t> selection(const JsonValue& json, const std::string& where) const {
     if (json.is_string()) return in_file(json.get<std::string>(), where);
-    const SceneFields f(json, where, {"vertices", "file", "box", "half_space", "ball", "side", "share"});
+    const JsonFields f(json, where, {"vertices", "file", "box", "half_space", "ball", "side", "share"});
     const std::vector<Vec3>& x = vertices_.mesh->vertices;
     std::vector<std::uint8_t> in(x.size(), 1);
     const auto keep = [&](auto&& inside) {
@@ -198,12 +198,12 @@ class SceneReader {
     if (f.has("vertices")) {
       if (!f.at("vertices").is_array()) f.fail("'vertices' must be a list of numbers");
       std::vector<std::uint32_t> listed;
-      for (const SceneJson& v : f.at("vertices")) listed.push_back(vertex(v, where));
+      for (const JsonValue& v : f.at("vertices")) listed.push_back(vertex(v, where));
       keep_listed(listed), any = true;
     }
     if (f.has("file")) keep_listed(in_file(f.text("file"), where)), any = true;
     if (f.has("box")) {
-      const SceneFields b(f.at("box"), f.where("box"), {"lower", "upper"});
+      const JsonFields b(f.at("box"), f.where("box"), {"lower", "upper"});
       const Vec3 lower = b.vector("lower"), upper = b.vector("upper");
       keep([&](const Vec3& p) {
         return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
@@ -211,13 +211,13 @@ class SceneReader {
       any = true;
     }
     if (f.has("half_space")) {
-      const SceneFields h(f.at("half_space"), f.where("half_space"), {"point", "normal"});
+      const JsonFields h(f.at("half_space"), f.where("half_space"), {"point", "normal"});
       const Vec3 point = h.vector("point"), normal = h.direction("normal");
       keep([&](const Vec3& p) { return dot(p - point, normal) <= 0; });
       any = true;
     }
     if (f.has("ball")) {
-      const SceneFields b(f.at("ball"), f.where("ball"), {"center", "radius"});
+      const JsonFields b(f.at("ball"), f.where("ball"), {"center", "radius"});
       const Vec3 center = b.vector("center");
       const double radius = b.number("radius");
       keep([&](const Vec3& p) { return norm(p - center) <= radius; });
@@ -238,20 +238,19 @@ class SceneReader {
       });
       any = true;
     }
-    if (!any) f.fail("selects by nothing: vertices, file, box, half_space, ball or side is wanted");
+    if (!any) f.fail("selects nothing: give vertices, file, box, half_space, ball or side");
     std::vector<std::uint32_t> found;
     for (std::size_t v = 0; v < x.size(); ++v)
       if (in[v]) found.push_back(static_cast<std::uint32_t>(v));
-    if (found.empty()) f.fail("no vertex lies there");
+    if (found.empty()) f.fail("no vertex is there");
     return found;
   }
 
-  VertexForce force(const SceneJson& json, const std::string& where) const {
-    const SceneFields f(json, where, {"on", "force", "total", "from", "until"});
+  VertexForce force(const JsonValue& json, const std::string& where) const {
+    const JsonFields f(json, where, {"on", "force", "total", "from", "until"});
     VertexForce force;
     force.vertices = unique(selections(f.at("on"), f.where("on")));
-    if (f.has("force") == f.has("total"))
-      f.fail("either 'force' (on each vertex) or 'total' (on all together) is wanted");
+    if (f.has("force") == f.has("total")) f.fail("give either 'force' (on each vertex) or 'total' (on all together)");
     force.force = f.has("force") ? f.vector("force") : f.vector("total") / static_cast<double>(force.vertices.size());
     if (f.has("from")) force.from = f.number("from");
     if (f.has("until")) force.until = f.number("until");
@@ -259,13 +258,13 @@ class SceneReader {
     return force;
   }
 
-  static Vec3 turn(const SceneFields& f) {
-    const SceneFields t(f.at("turn"), f.where("turn"), {"axis", "degrees"});
+  static Vec3 turn(const JsonFields& f) {
+    const JsonFields t(f.at("turn"), f.where("turn"), {"axis", "degrees"});
     return t.direction("axis") * (t.number("degrees") * std::numbers::pi / 180);
   }
 
-  PulledHandle handle(const SceneJson& json, const std::string& where) const {
-    const SceneFields f(json, where, {"on", "keys", "move", "turn", "from", "until", "center", "stiffness"});
+  PulledHandle handle(const JsonValue& json, const std::string& where) const {
+    const JsonFields f(json, where, {"on", "keys", "move", "turn", "from", "until", "center", "stiffness"});
     PulledHandle handle;
     handle.vertices = unique(selections(f.at("on"), f.where("on")));
     if (f.has("center")) handle.center = f.vector("center");
@@ -275,9 +274,9 @@ class SceneReader {
     }
     if (f.has("keys")) {
       if (f.has("move") || f.has("turn") || f.has("from") || f.has("until"))
-        f.fail("either 'keys' or 'move', 'turn', 'from' and 'until' are wanted");
-      for (const auto& [place, entry] : detail::scene_entries(f.at("keys"), f.where("keys"))) {
-        const SceneFields k(*entry, place, {"time", "move", "turn"});
+        f.fail("give either 'keys', or 'move', 'turn', 'from' and 'until'");
+      for (const auto& [place, entry] : detail::json_entries(f.at("keys"), f.where("keys"))) {
+        const JsonFields k(*entry, place, {"time", "move", "turn"});
         HandleKey key;
         key.time = k.number("time");
         if (k.has("move")) key.displacement = k.vector("move");
@@ -286,7 +285,7 @@ class SceneReader {
         handle.keys.push_back(key);
       }
       if (handle.keys.empty()) f.fail("'keys' is empty");
-      // The first key is reached from rest.
+      // Motion starts from rest towards the first key.
       if (handle.keys.front().time > 0) handle.keys.insert(handle.keys.begin(), HandleKey{});
       return handle;
     }
@@ -302,9 +301,9 @@ class SceneReader {
     return handle;
   }
 
-  void read_obstacles(const SceneFields& f, SceneScript& s) const {
+  void read_obstacles(const JsonFields& f, SceneScript& s) const {
     const double usual = s.friction.value_or(kUsualFriction);
-    const auto friction = [&](const SceneFields& o) {
+    const auto friction = [&](const JsonFields& o) {
       const double mu = o.has("friction") ? o.number("friction") : usual;
       if (!(mu >= 0)) o.fail("'friction' must not be negative");
       return mu;
@@ -313,20 +312,20 @@ class SceneReader {
       s.floor_below = f.at("floor").get<bool>();
       s.no_floor = !s.floor_below;
     } else if (f.has("floor")) {
-      for (const auto& [where, entry] : detail::scene_entries(f.at("floor"), "floor")) {
-        const SceneFields o(*entry, where, {"point", "normal", "height", "friction"});
+      for (const auto& [where, entry] : detail::json_entries(f.at("floor"), "floor")) {
+        const JsonFields o(*entry, where, {"point", "normal", "height", "friction"});
         FloorObstacle floor;
         const bool z = s.z_up.value_or(false);
         floor.normal = o.has("normal") ? o.direction("normal") : z ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
-        if (o.has("point") == o.has("height")) o.fail("either 'point' or 'height' is wanted");
+        if (o.has("point") == o.has("height")) o.fail("give either 'point' or 'height'");
         floor.point = o.has("point") ? o.vector("point") : floor.normal * o.number("height");
         floor.friction = friction(o);
         s.scene.floors.push_back(floor);
       }
     }
     if (f.has("spheres"))
-      for (const auto& [where, entry] : detail::scene_entries(f.at("spheres"), "spheres")) {
-        const SceneFields o(*entry, where, {"center", "radius", "friction"});
+      for (const auto& [where, entry] : detail::json_entries(f.at("spheres"), "spheres")) {
+        const JsonFields o(*entry, where, {"center", "radius", "friction"});
         SphereObstacle sphere{o.vector("center"), o.number("radius"), friction(o)};
         if (!(sphere.radius > 0)) o.fail("'radius' must be above 0");
         s.scene.spheres.push_back(sphere);
@@ -341,7 +340,7 @@ class SceneReader {
 }  // namespace
 
 SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices, bool z_up) {
-  return SceneReader(vertices, z_up).read(detail::parse_scene_json(text));
+  return SceneReader(vertices, z_up).read(detail::parse_json_once(text, true));
 }
 
 std::string_view word_of(SoftBodyModel model) { return kModelWords[static_cast<std::size_t>(model)]; }

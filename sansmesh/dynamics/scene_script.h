@@ -1,4 +1,4 @@
-// Scenes of moving tetrahedra as JSON (docs/formats/scene.md).
+// Scenes of elastic bodies as JSON (docs/formats/scene.md).
 #pragma once
 
 #include <optional>
@@ -8,14 +8,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// The model of a word: "springs".
+/// The model with this name: "springs".
 std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 constexpr double kMostGravity = 1e6;    ///< m/s²
-constexpr double kUsualFriction = 0.3;  ///< of obstacles of which nobody says another
+constexpr double kUsualFriction = 0.3;  ///< default coefficient of obstacles
 /// In the order of the enumerators.
 inline constexpr std::string_view kModelWords[] = {"springs", "corotational"};
 
-/// A scene whose lengths are so many times as large.
+/// A scene with all lengths multiplied by `factor`.
 DynamicsScene scaled(DynamicsScene scene, double factor);
 
 }  // namespace sansmesh::inline v1

@@ -11,6 +11,7 @@
 #include "sansmesh/dynamics/spring_model.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -35,9 +36,9 @@ std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& op
 struct SoftBody::State {
   TetMesh mesh;
   DynamicsScene scene;
-  std::vector<double> masses;        ///< of the mesh's vertices
-  std::vector<std::uint32_t> order;  ///< vertices of the mesh as the body has them
-  std::vector<std::uint32_t> place;  ///< and the other way round
+  std::vector<double> masses;        ///< masses of the mesh's vertices
+  std::vector<std::uint32_t> order;  ///< mesh vertex of each vertex of the body
+  std::vector<std::uint32_t> place;  ///< inverse of `order`
   std::unique_ptr<BodyState> body;
   std::unique_ptr<BodyStepper> stepper;
 
@@ -61,7 +62,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   State& s = *state_;
   s.mesh = std::move(mesh), s.scene = std::move(scene);
   s.masses = lumped_masses(s.mesh, options);
-  s.order = order_in_space(s.mesh.vertices);
+  s.order = space_order(s.mesh.vertices);
   const std::size_t n = s.order.size();
   s.place.resize(n);
   for (std::size_t i = 0; i < n; ++i) s.place[s.order[i]] = static_cast<std::uint32_t>(i);
@@ -85,7 +86,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   for (Tet& t : tets) {
     for (std::uint32_t& v : t) v = s.place[v];
   }
-  // Neighbours in memory, too; sums over tetrahedra are in this order.
+  // Improves locality; also the order of sums over tetrahedra.
   std::sort(tets.begin(), tets.end(), [](const Tet& a, const Tet& b) {
     const auto first = [](const Tet& t) { return *std::min_element(t.begin(), t.end()); };
     return first(a) != first(b) ? first(a) < first(b) : a < b;
@@ -173,10 +174,10 @@ void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> 
 namespace {
 
 constexpr ReportRow kBodyEnergiesRows[] = {
-    reported<&BodyEnergies::kinetic>({.text = "Energy of motion", .unit = "J"}),
-    reported<&BodyEnergies::elastic>({.text = "Energy of what is stretched", .unit = "J"}),
-    reported<&BodyEnergies::gravity>({.text = "Energy of height", .unit = "J"}),
-    reported<&BodyEnergies::total>({.text = "Sum of all", .unit = "J"})};
+    reported<&BodyEnergies::kinetic>({.text = "Kinetic energy", .unit = "J"}),
+    reported<&BodyEnergies::elastic>({.text = "Elastic energy", .unit = "J"}),
+    reported<&BodyEnergies::gravity>({.text = "Potential energy of gravity", .unit = "J"}),
+    reported<&BodyEnergies::total>({.text = "Total energy", .unit = "J"})};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A body of tetrahedra that moves by forces (METHODS §7.2; thesis 6.4.5).
+// An elastic body of tetrahedra (tejada2008, 6.4.5).
 #pragma once
 
 #include <memory>
@@ -10,40 +10,40 @@
 
 namespace sansmesh::inline v1 {
 
-/// Positions and velocities are in the mesh's order and coordinates. The same bits for any number of threads.
+/// Positions and velocities are in the mesh's order and coordinates. Bit-identical for any number of threads.
 class SoftBody {
  public:
-  /// At rest where the mesh is. Throws ArgumentError for options and scenes, DataError for meshes that cannot be used
-  /// (check_tets). Vertices without a tetrahedron have no mass and stay where they are.
+  /// Starts at rest in the mesh's shape. Throws ArgumentError for bad options and scenes, DataError for unusable meshes
+  /// (check_tets). Vertices without a tetrahedron have no mass and stay in place.
   SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene scene = {});
   ~SoftBody();
   SoftBody(SoftBody&&) noexcept;
   SoftBody& operator=(SoftBody&&) noexcept;
 
-  /// Time goes on by options().step. Throws DataError with a remedy where the body explodes (positions not finite, an
-  /// edge stretched to more than 1000 times its length), or conjugate gradients do not converge however short the step.
+  /// Advances by options().step. Throws DataError with a remedy if the body explodes (positions not finite, an edge
+  /// stretched to more than 1000 times its length), or conjugate gradients do not converge for any substep.
   StepReport step();
 
-  /// Time goes on by `duration` > 0 seconds, in equal steps of at most options().step. The report is of all of them.
+  /// Advances by `duration` > 0 seconds, in equal steps of at most options().step. The report covers all of them.
   StepReport advance(double duration);
 
-  /// About the longest step, s, with which options().integrator is stable for small motions about rest, by power
-  /// iteration for the fastest vibration (stable_step.h): infinity of implicit Euler; of explicit Euler 0 where nothing
-  /// damps, or handles hang on springs that nothing damps. Of what turns or is under load, a little less.
+  /// Approximately the longest step, s, with which options().integrator is stable for small motions about rest, from
+  /// the fastest vibration by power iteration (stable_step.h): infinity for implicit Euler; for explicit Euler 0
+  /// without damping, or if undamped springs hold handles. Rotating or loaded bodies need slightly less.
   double stable_step() const;
 
-  /// Numbers, ascending, of the vertices, neither fixed nor pulled without a stiffness, that lie in an obstacle now, by
-  /// more than rounding. Before the first step these are a fault of the scene: they are put out at once, which throws
-  /// the body. After a step there are none, but where obstacles overlap.
+  /// Ascending indices of the vertices inside an obstacle by more than rounding; fixed vertices and those pulled
+  /// without a stiffness do not count. Before the first step they indicate a fault of the scene: they are moved out at
+  /// once, which throws the body. After a step there are none unless obstacles overlap.
   std::vector<std::uint32_t> within_obstacles() const;
 
-  double time() const;  ///< s since the beginning
+  double time() const;  ///< elapsed time, s
   std::vector<Vec3> positions() const;
   std::vector<Vec3> velocities() const;
   BodyEnergies energies() const;
-  const std::vector<double>& masses() const;  ///< kg, of the vertices
+  const std::vector<double>& masses() const;  ///< kg, per vertex
 
-  /// Goes on from there; as many of each as there are vertices. Fixed and pulled ones stay with the scene.
+  /// Continues from this state; one entry per vertex. Fixed and pulled vertices follow the scene.
   void set_state(std::span<const Vec3> positions, std::span<const Vec3> velocities);
 
   const TetMesh& rest() const;

@@ -78,7 +78,7 @@ void DynamicsScene::validate(std::size_t vertices) const {
   };
   for (std::size_t k = 0; k < fixed.size(); ++k) {
     if (fixed[k] >= vertices) check_vertices("fixed", k, {fixed[k]}, vertices);
-    taken[fixed[k]] = 1;  // twice is once
+    taken[fixed[k]] = 1;  // duplicates are allowed
   }
   for (std::size_t k = 0; k < handles.size(); ++k) {
     check_handle(k, handles[k]);

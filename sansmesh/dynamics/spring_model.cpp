@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kSpringRows = 1024;  ///< vertices a task
+constexpr std::size_t kSpringRows = 1024;  ///< vertices per task
 
 /// Whether check(first, last) holds for all ranges of vertices.
 template <class Check>
@@ -69,7 +69,7 @@ bool SpringModel::linearize(std::span<const Vec3> x, double h, std::span<Vec3> f
           sum += along * tension;
           links_[e] = {static_cast<float>(k * across + d), Vec3f(along * (std::sqrt(k * (1 - across)) * inverse))};
         } else {
-          links_[e] = {static_cast<float>(k + d), {}};  // no direction: stiff in all
+          links_[e] = {static_cast<float>(k + d), {}};  // no direction: stiff in all directions
         }
       }
       f[i] = sum * -stiffness_;

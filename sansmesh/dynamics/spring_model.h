@@ -1,4 +1,4 @@
-// Every edge a spring (METHODS §7.2; thesis 6.4.5, equations 6.35 to 6.39).
+// Mass-spring model: every edge is a spring (tejada2008, 6.4.5, equations 6.35 to 6.39).
 #pragma once
 
 #include <array>
@@ -9,11 +9,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// E = ½ k_s (‖x_ij‖ − L)² of each edge; damping −k_d (v_i − v_j). Of the derivatives k_s [x̂ x̂ᵀ + (1 − L/‖x_ij‖)
-/// (I − x̂ x̂ᵀ)] the second factor is at least 0: compressed springs would make the matrix indefinite.
+/// E = ½ k_s (‖x_ij‖ − L)² of each edge; damping −k_d (v_i − v_j). In the derivative k_s [x̂ x̂ᵀ + (1 − L/‖x_ij‖) (I −
+/// x̂ x̂ᵀ)] the factor 1 − L/‖x_ij‖ is clamped at 0: compressed springs would make the matrix indefinite.
 class SpringModel final : public ElasticModel {
  public:
-  /// Lengths L are those of the edges at `rest`.
+  /// Rest lengths L are those of the edges at `rest`.
   SpringModel(VertexGraph graph, std::span<const Vec3> rest, double stiffness, double damping);
 
   bool forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> f) override;
@@ -25,15 +25,15 @@ class SpringModel final : public ElasticModel {
 
  private:
   /// The block of an edge is a I + u uᵀ. In single precision it is still exactly symmetric and exactly zero on
-  /// translations, as only differences p_i − p_j are multiplied by it.
+  /// translations, because it multiplies only differences p_i − p_j.
   struct Link {
     float a = 0;
     Vec3f u;
   };
 
   VertexGraph graph_;
-  std::vector<double> lengths_;  ///< L of each half-edge
-  std::vector<Link> links_;      ///< of each half-edge
+  std::vector<double> lengths_;  ///< L, per half-edge
+  std::vector<Link> links_;      ///< per half-edge
   double stiffness_, damping_;
 };
 

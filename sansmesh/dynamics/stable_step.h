@@ -1,4 +1,4 @@
-// The longest steps that integrators are stable with.
+// Stability limits of time integrators.
 #pragma once
 
 #include "sansmesh/simulate_options.h"
@@ -6,10 +6,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// About the longest step, s, with which options.integrator is stable for small motions of the body about rest:
-/// infinity of implicit Euler; of explicit Euler 0 where nothing damps, or handles hang on springs that nothing damps.
-/// options.step does not count. Throws as SoftBody does. What turns or is under load needs a little less: half of it is
-/// safe.
+/// Approximately the longest step, s, with which options.integrator is stable for small motions about rest: infinity
+/// for implicit Euler; for explicit Euler 0 without damping, or if undamped springs hold handles. options.step is
+/// ignored. Throws as SoftBody does. Rotating or loaded bodies need slightly less; half of it is safe.
 double stable_step(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene = {});
 
 }  // namespace sansmesh::inline v1

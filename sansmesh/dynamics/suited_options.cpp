@@ -12,13 +12,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSuitedStiffness = 25;    ///< Young's modulus over density × gravity × size
-constexpr double kSuitedDamping = 0.004;   ///< s, damping over stiffness
-constexpr double kSuitedTolerance = 0.01;  ///< of conjugate gradients: half the time of 0.001, and nothing to be seen
-constexpr double kSuitedStep = 0.01;       ///< s, of implicit methods
-constexpr double kSafeStep = 0.5;          ///< of the longest that is stable
+constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
+constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
+/// Relative residual of conjugate gradients: half the time of 0.001, without visible difference.
+constexpr double kSuitedTolerance = 0.01;
+constexpr double kSuitedStep = 0.01;  ///< s, of implicit methods
+constexpr double kSafeStep = 0.5;     ///< fraction of the longest stable step
 constexpr double kEarth = 9.81;
-constexpr double kLargestSuited = 20;  ///< m, of a body whose unit nobody says
+constexpr double kLargestSuited = 20;  ///< m, for a body without a unit
 
 double mean_edge(const TetMesh& mesh) {
   double sum = 0;
@@ -68,7 +69,7 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
     const double stable = stable_step(mesh, o, scaled(s.scene, s.unit.value_or(1)));
     if (!(stable > 0))
       throw ArgumentError(
-          fmt::format("{} is not stable however short the step where nothing damps, or handles hang on springs: take "
+          fmt::format("{} is unstable for any step without damping, or with handles on springs: take "
                       "velocity-verlet, or more damping",
                       o.integrator));
     o.step = std::min(kSuitedStep, kSafeStep * stable);

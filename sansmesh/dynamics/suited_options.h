@@ -1,4 +1,4 @@
-// What a scene does not say about its body, chosen from the body.
+// Defaults of simulations that depend on the body.
 #pragma once
 
 #include "sansmesh/dynamics/scene_script.h"
@@ -7,16 +7,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// Metres of the unit of length: what the script says. Of a body of which nobody says a unit, nor anything that is
-/// known in absolute units (stiffness, elasticity, density, mass), centimetres or millimetres where it would be more
-/// than 20 m large otherwise. `mesh` in the file's unit.
+/// Metres per unit of length: the script's unit, if given. Without a unit and without any value in absolute units
+/// (stiffness, elasticity, density, mass), a body that would be larger than 20 m is taken to be in centimetres or
+/// millimetres. `mesh` is in the file's unit.
 double suited_unit(const SceneScript& script, const TetMesh& mesh);
 
-/// What is not said, from the body: `mesh` in metres, `script` with all that is known, its scene still in the file's
-/// unit (script.unit). A body of unknown material is one that bends under its own weight but stands (Young's modulus 25
-/// times density, gravity and size; springs as stiff as a tetrahedron's edge of it), a little damped. The step of
-/// explicit methods is half of what is stable, else 0.01 s. Throws ArgumentError where none is stable (explicit Euler
-/// without damping).
+/// Options with defaults for everything that the script leaves out. `mesh` is in metres; the script's scene is still in
+/// the file's unit (script.unit). The default material bends under its own weight but stands (Young's modulus 25 times
+/// density, gravity and size; springs as stiff as a tetrahedron's edge of that material), with slight damping. The step
+/// of explicit methods is half of the stable one, else 0.01 s. Throws ArgumentError if no step is stable (explicit
+/// Euler without damping).
 SoftBodyOptions suited_options(const SceneScript& script, const TetMesh& mesh);
 
 }  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kEmbeddedRange = 1024;  ///< points a task
+constexpr std::size_t kEmbeddedRange = 1024;  ///< points per task
 
 }  // namespace
 
@@ -68,7 +68,7 @@ std::vector<Vec3> TetEmbedding::positions(std::span<const Vec3> x) const {
 std::vector<Vec3> TetEmbedding::normals(std::span<const Vec3> x, std::span<const Vec3> at_rest) const {
   std::vector<Vec3> found(corners_.size());
   parallel_for(0, found.size(), kEmbeddedRange, [&](std::size_t i) {
-    // Cofactors of J: its inverse transpose times its determinant, whose sign counts where a tetrahedron is inside out.
+    // Cofactors of J: its inverse transpose times its determinant, whose sign matters in inverted tetrahedra.
     const Matrix3 j = tet_jacobian(corners_[i], gradients_[i], x);
     const Vec3 n = at_rest[i];
     found[i] = normalized(cross(j.b, j.c) * n.x + cross(j.c, j.a) * n.y + cross(j.a, j.b) * n.z);

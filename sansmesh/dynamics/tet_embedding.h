@@ -1,4 +1,4 @@
-// Points that are carried by tetrahedra, such as the vertices of a finer surface.
+// Points carried by tetrahedra, such as the vertices of a finer surface.
 #pragma once
 
 #include <array>
@@ -10,17 +10,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// Where points lie in the tetrahedra at rest. Those outside of all take the nearest one, whose map goes on beyond it.
+/// Barycentric coordinates of points in the tetrahedra at rest. Points outside all tetrahedra use the nearest one and
+/// extrapolate its map.
 class TetEmbedding {
  public:
-  /// Points that are not finite throw DataError. The mesh is not kept.
+  /// Throws DataError for points that are not finite. The mesh is not kept.
   TetEmbedding(const TetMesh& rest, std::span<const Vec3> points);
 
-  /// Where they are when the mesh's vertices are at `x`.
+  /// Positions of the points when the mesh's vertices are at `x`.
   std::vector<Vec3> positions(std::span<const Vec3> x) const;
 
-  /// Unit normals of a surface through the points, turned with the tetrahedra that they lie in: by the inverse
-  /// transpose of the Jacobian. As many as points.
+  /// Unit normals of a surface through the points, transformed by the inverse transpose of the Jacobian of their
+  /// tetrahedra. As many as points.
   std::vector<Vec3> normals(std::span<const Vec3> x, std::span<const Vec3> at_rest) const;
 
   const std::vector<std::uint32_t>& tets() const { return tets_; }
@@ -30,8 +31,8 @@ class TetEmbedding {
  private:
   std::vector<std::uint32_t> tets_;
   std::vector<std::array<double, 4>> weights_;
-  std::vector<Tet> corners_;                    ///< of tets_
-  std::vector<std::array<Vec3, 3>> gradients_;  ///< of the weights of the last three corners, at rest
+  std::vector<Tet> corners_;                    ///< corners of tets_
+  std::vector<std::array<Vec3, 3>> gradients_;  ///< gradients of the weights of the last three corners, at rest
   std::size_t outside_ = 0;
 };
 

@@ -5,15 +5,16 @@
 #include <string>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-/// Corners of the face opposite of each, counter-clockwise seen from outside.
+/// Corners of the face opposite to each corner, counter-clockwise seen from outside.
 constexpr int kTetFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 double longest_edge(const Tet& t, std::span<const Vec3> x) {
@@ -22,19 +23,15 @@ double longest_edge(const Tet& t, std::span<const Vec3> x) {
   return longest;
 }
 
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-/// The eight tetrahedra of one, of its corners 0..3 and the middles 4..9 of its edges; `diagonal` names two opposite
-/// middles by their edges.
+/// The eight tetrahedra of one, given by its corners 0..3 and the midpoints 4..9 of its edges; `diagonal` selects two
+/// opposite midpoints.
 struct EightTets {
   std::array<std::array<int, 4>, 8> tets;
 };
 
 EightTets eight_tets(int diagonal) {
-  // Middles: 4 of 01, 5 of 02, 6 of 03, 7 of 12, 8 of 13, 9 of 23. Opposite are 4 and 9, 5 and 8, 6 and 7; around each
-  // diagonal the other four.
+  // Midpoints: 4 of 01, 5 of 02, 6 of 03, 7 of 12, 8 of 13, 9 of 23. Opposite pairs: 4 and 9, 5 and 8, 6 and 7; the
+  // other four surround each diagonal.
   constexpr int kEnds[3][2] = {{4, 9}, {5, 8}, {6, 7}};
   constexpr int kRing[3][4] = {{5, 7, 8, 6}, {4, 7, 9, 6}, {4, 8, 9, 5}};
   EightTets eight{{{{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}}}};
@@ -102,7 +99,7 @@ TetMesh refine_uniformly(const TetMesh& mesh) {
   fine.vertices.reserve(mesh.vertices.size() + keys.size());
   fine.vertices = mesh.vertices;
   for (const std::uint64_t key : keys) {
-    fine.vertices.push_back((mesh.vertices[key >> 32] + mesh.vertices[key & 0xffffffffu]) * 0.5);
+    fine.vertices.push_back((mesh.vertices[smaller_end(key)] + mesh.vertices[larger_end(key)]) * 0.5);
   }
   fine.tets.resize(8 * mesh.tets.size());
   parallel_for(0, mesh.tets.size(), 1024, [&](std::size_t k) {
@@ -127,7 +124,7 @@ TetMesh refine_uniformly(const TetMesh& mesh) {
 std::vector<Triangle> boundary_faces(const TetMesh& mesh, std::vector<std::uint32_t>* owners) {
   struct Face {
     Triangle sorted;
-    std::uint32_t number;  // 4 tetrahedron + corner opposite
+    std::uint32_t number;  // 4 tetrahedron + opposite corner
   };
   std::vector<Face> faces(4 * mesh.tets.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -196,7 +193,7 @@ TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::s
     }
   }
   const std::size_t stride[3] = {1, nx + 1, (nx + 1) * (ny + 1)};
-  // Kuhn's six: along the edges from corner to corner, in each order of the axes.
+  // Kuhn's six tetrahedra: along the edges from corner to corner, for each order of the axes.
   constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (std::size_t k = 0; k < nz; ++k) {
     for (std::size_t j = 0; j < ny; ++j) {

@@ -1,4 +1,4 @@
-// Tetrahedral meshes as such: whether they can be used, their volume, surface, refinement.
+// Tetrahedral meshes: validation, volume, boundary, refinement.
 #pragma once
 
 #include <array>
@@ -13,10 +13,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Signed volume of tetrahedron `t` with its vertices at `x`; negative where it is inside out.
+/// Corners of the edges of a tetrahedron.
+inline constexpr std::uint8_t kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/// Signed volume of tetrahedron `t` with its vertices at `x`; negative if it is inverted.
 double tet_volume(const Tet& t, std::span<const Vec3> x);
 
-/// A tetrahedron as linear functions see it.
+/// Gradients of linear functions on a tetrahedron.
 struct TetGradients {
   std::array<Vec3, 3> of;  ///< gradients of the barycentric coordinates of corners 1 to 3; that of corner 0 is minus
                            ///< their sum. Not finite where the volume is 0
@@ -28,7 +31,7 @@ inline TetGradients tet_gradients(const Tet& t, std::span<const Vec3> x) {
   return {{cross(b, d) / six, cross(d, a) / six, cross(a, b) / six}, six / 6};
 }
 
-/// Columns ∂y/∂x_k of the affine map that takes the corners, of whose places `gradients` are, to y.
+/// Columns ∂y/∂x_k of the affine map that takes the corners to y; `gradients` are those of the undeformed corners.
 inline Matrix3 tet_jacobian(const Tet& t, const std::array<Vec3, 3>& gradients, std::span<const Vec3> y) {
   const auto& g = gradients;
   const Vec3 a = y[t[1]] - y[t[0]], b = y[t[2]] - y[t[0]], d = y[t[3]] - y[t[0]];
@@ -36,30 +39,30 @@ inline Matrix3 tet_jacobian(const Tet& t, const std::array<Vec3, 3>& gradients, 
           a * g[0].z + b * g[1].z + d * g[2].z};
 }
 
-/// The same mesh with positive volumes: some writers order the corners the other way round, some even within a file.
-/// `turned`, if given, gets the number of tetrahedra whose last corners were exchanged.
+/// The same mesh with positive volumes, because some writers use the opposite order of corners, some even within a
+/// file. `turned`, if given, receives the number of tetrahedra whose last two corners were exchanged.
 TetMesh turned_outward(TetMesh mesh, std::size_t* turned = nullptr);
 
 /// Throws DataError that names the tetrahedron or vertex (counted from 0), the cause and a remedy: no tetrahedra,
-/// positions that are not finite, vertices that do not exist, the same vertex twice, volumes that are negative (inside
-/// out) or zero (below 1e-12 of the longest edge's cube).
+/// positions that are not finite, indices out of range, repeated vertices, volumes that are negative (inverted) or zero
+/// (below 1e-12 of the longest edge's cube).
 void check_tets(const TetMesh& mesh);
 
-/// Each tetrahedron cut into eight by the middles of its edges: four at the corners, and the octahedron between them
-/// along its shortest diagonal. Vertices of the mesh come first, then the middles. Attributes of vertices are dropped,
-/// those of tetrahedra too. Tetrahedra 8 t .. 8 t + 7 are those of t.
+/// Divides each tetrahedron into eight at the midpoints of its edges: four at the corners, and the octahedron between
+/// them along its shortest diagonal. The mesh's vertices come first, then the midpoints. Attributes are dropped.
+/// Tetrahedra 8 t .. 8 t + 7 come from t.
 TetMesh refine_uniformly(const TetMesh& mesh);
 
-/// The faces that one tetrahedron alone has, counter-clockwise seen from outside, by ascending tetrahedron. `owners`,
-/// if given, gets the tetrahedron of each.
+/// The faces of exactly one tetrahedron, counter-clockwise seen from outside, by ascending tetrahedron. `owners`, if
+/// given, receives the tetrahedron of each.
 std::vector<Triangle> boundary_faces(const TetMesh& mesh, std::vector<std::uint32_t>* owners = nullptr);
 
-/// The boundary as a mesh of its own: only vertices that have a face, in ascending order, at `x` (as many as the mesh
-/// has vertices), relative to the middle of their box. `sources`, if given, gets the vertex of `mesh` of each.
+/// The boundary as a mesh: only vertices of boundary faces, in ascending order, at `x` (one per vertex of the mesh),
+/// relative to the centre of their box. `sources`, if given, receives the index in `mesh` of each vertex.
 TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::vector<std::uint32_t>* sources = nullptr);
 
-/// A box from `lower` to `upper` cut into nx × ny × nz cells of six tetrahedra each; vertex (i, j, k) is number
-/// i + (nx + 1) (j + (ny + 1) k).
+/// A box from `lower` to `upper` divided into nx × ny × nz cells of six tetrahedra each; vertex (i, j, k) has index i +
+/// (nx + 1) (j + (ny + 1) k).
 TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::size_t ny, std::size_t nz);
 
 }  // namespace sansmesh::inline v1

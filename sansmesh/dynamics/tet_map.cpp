@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
@@ -13,12 +14,13 @@
 #include "sansmesh/dynamics/vertex_graph.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kMapRange = 512;  ///< points a task
-constexpr double kOnFace = 1e-12;       ///< a barycentric coordinate so far below 0 counts as 0
+constexpr std::size_t kMapRange = 512;  ///< points per task
+constexpr double kOnFace = 1e-12;       ///< a barycentric coordinate above −kOnFace counts as not negative
 
 Box3f float_box(const Box3& box, const Vec3& origin) {
   const Vec3 lower = box.lower - origin, upper = box.upper - origin;
@@ -33,7 +35,7 @@ Box3f float_box(const Box3& box, const Vec3& origin) {
   return around;
 }
 
-/// The children whose boxes hold q.
+/// Bit mask of the children whose boxes contain q.
 std::uint32_t holding(const BoxNode& node, const Vec3f& q) {
   std::uint32_t found = 0;
   for (std::size_t c = 0; c < kTreeWidth; ++c) {
@@ -69,19 +71,19 @@ Box3 common(const Box3& a, const Box3& b) {
 }  // namespace
 
 struct TetMap::State {
-  /// The affine map of a tetrahedron, and where it holds.
+  /// The affine map of a tetrahedron and its domain.
   struct Affine {
     Vec3 corner;                    ///< in `from`
-    std::array<Vec3, 3> gradients;  ///< of the barycentric coordinates of corners 1 to 3 there
-    Vec3 image;                     ///< of the corner
+    std::array<Vec3, 3> gradients;  ///< gradients of the barycentric coordinates of corners 1 to 3
+    Vec3 image;                     ///< image of the corner
     Jacobian jacobian;
-    Box3 from, to;  ///< of its corners
+    Box3 from, to;  ///< bounds of its corners
     std::uint32_t number = kNowhere;
   };
   Vec3 origin;
-  std::vector<Affine> affines;            ///< neighbours in space one after the other
+  std::vector<Affine> affines;            ///< in spatial order
   BoxLevels levels;                       ///< over `from`, relative to the origin
-  std::vector<std::vector<Box3>> images;  ///< of what lies below each lane of the levels
+  std::vector<std::vector<Box3>> images;  ///< bounds of the images below each lane of the levels
 
   const Affine* find(const Vec3& x) const;
   void look(std::size_t level, std::size_t node, const Vec3& x, const Vec3f& q, const Affine*& best) const;
@@ -121,15 +123,13 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
     } else if (level > 0) {
       gather(level - 1, child, box, around, found);
     } else {
-      // The image of the part of the box around the tetrahedron, and no more than the tetrahedron's.
+      // Image of the intersection of the box and the tetrahedron's bounds, clipped to the tetrahedron's image.
       const Affine& a = affines[child];
       const Box3 part = common(box, a.from);
       if (part.empty()) continue;
       Box3 image;
       for (int k = 0; k < 8; ++k) {
-        const Vec3 p{k & 1 ? part.upper.x : part.lower.x, k & 2 ? part.upper.y : part.lower.y,
-                     k & 4 ? part.upper.z : part.lower.z};
-        const Vec3 d = p - a.corner;
+        const Vec3 d = box_corner(part, k) - a.corner;
         image.extend(a.image + a.jacobian[0] * d.x + a.jacobian[1] * d.y + a.jacobian[2] * d.z);
       }
       found.extend(common(image, a.to));
@@ -138,7 +138,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
 }
 
 TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<const Vec3> to) {
-  check_argument(from.size() == to.size(), "`from` and `to` must have as many positions");
+  check_argument(from.size() == to.size(), "`from` and `to` must have equal numbers of positions");
   auto state = std::make_unique<State>();
   std::vector<Vec3> centers(tets.size());
   Box3 whole;
@@ -151,7 +151,7 @@ TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<
     if (!is_finite(centers[t])) throw DataError("tetrahedra have positions that are not finite");
   }
   if (!whole.empty()) state->origin = whole.center();
-  for (const std::uint32_t t : order_in_space(centers)) {
+  for (const std::uint32_t t : space_order(centers)) {
     const Tet& c = tets[t];
     const TetGradients shape = tet_gradients(c, from);
     const double size = norm(from[c[1]] - from[c[0]]) * norm(from[c[2]] - from[c[0]]) * norm(from[c[3]] - from[c[0]]);

@@ -3,16 +3,17 @@
 #include <algorithm>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
+#include "sansmesh/dynamics/tet_geometry.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-/// Makes beginnings of counts: count[i] stands at begin[i + 1].
+/// Prefix sums of counts: count[i] is at begin[i + 1].
 void sum_up(std::vector<std::uint32_t>& begin) {
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
 }
@@ -22,10 +23,7 @@ void sum_up(std::vector<std::uint32_t>& begin) {
 VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   std::vector<std::uint64_t> keys(6 * tets.size());
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
-    for (std::size_t e = 0; e < 6; ++e) {
-      const std::uint32_t a = tets[k][kEdgeEnds[e][0]], b = tets[k][kEdgeEnds[e][1]];
-      keys[6 * k + e] = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-    }
+    for (std::size_t e = 0; e < 6; ++e) keys[6 * k + e] = edge_key(tets[k][kTetEdges[e][0]], tets[k][kTetEdges[e][1]]);
   });
   parallel_sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
@@ -33,7 +31,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   VertexGraph graph;
   graph.begin.assign(vertices + 1, 0);
   for (const std::uint64_t key : keys) {
-    const auto a = static_cast<std::uint32_t>(key >> 32), b = static_cast<std::uint32_t>(key);
+    const std::uint32_t a = smaller_end(key), b = larger_end(key);
     graph.edges.push_back({a, b});
     ++graph.begin[a + 1], ++graph.begin[b + 1];
   }
@@ -44,7 +42,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
     const std::uint32_t at = next[from]++;
     graph.neighbours[at] = to, graph.edge_of[at] = static_cast<std::uint32_t>(edge);
   };
-  // Edges ascend by their smaller end: first those that lead to a smaller vertex, then the others, keeps rows
+  // Edges ascend by their smaller end. Adding first the half-edges to smaller vertices, then the others, keeps rows
   // ascending.
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][1], graph.edges[e][0], e);
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][0], graph.edges[e][1], e);
@@ -76,7 +74,7 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph) {
   lists.begin.assign(graph.edges.size() + 1, 0);
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
     for (std::size_t e = 0; e < 6; ++e) {
-      edges[6 * k + e] = edge_between(tets[k][kEdgeEnds[e][0]], tets[k][kEdgeEnds[e][1]]);
+      edges[6 * k + e] = edge_between(tets[k][kTetEdges[e][0]], tets[k][kTetEdges[e][1]]);
     }
   });
   for (const std::uint32_t e : edges) ++lists.begin[e + 1];
@@ -85,29 +83,11 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph) {
   std::vector<std::uint32_t> next(lists.begin.begin(), lists.begin.end() - 1);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const Tet& t = tets[k / 6];
-    std::size_t a = kEdgeEnds[k % 6][0], b = kEdgeEnds[k % 6][1];
+    std::size_t a = kTetEdges[k % 6][0], b = kTetEdges[k % 6][1];
     if (t[a] > t[b]) std::swap(a, b);
     lists.items[next[edges[k]]++] = static_cast<std::uint32_t>(16 * (k / 6) + 4 * a + b);
   }
   return lists;
-}
-
-std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x) {
-  Box3 box;
-  for (const Vec3& p : x) box.extend(p);
-  const Vec3 size = x.empty() ? Vec3{} : box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  const double scale = longest > 0 ? 2097151 / longest : 0;
-  std::vector<KeyIndex> keys(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3 q = (x[i] - box.lower) * scale;
-    const auto cell = [](double at) { return index_in<std::uint32_t>(at, 0, 2097151); };
-    keys[i] = {morton_code(cell(q.x), cell(q.y), cell(q.z)), static_cast<unsigned>(i)};
-  }
-  parallel_sort(keys);
-  std::vector<std::uint32_t> order(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) order[i] = keys[i].index;
-  return order;
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Edges of tetrahedra as a sparse matrix has them: a row for each vertex.
+// Edges of tetrahedra in compressed sparse rows, one row per vertex.
 #pragma once
 
 #include <array>
@@ -14,27 +14,23 @@ namespace sansmesh::inline v1 {
 /// Half-edges begin[i] .. begin[i + 1] − 1 lead from vertex i to its neighbours, in ascending order.
 struct VertexGraph {
   std::vector<std::uint32_t> begin;                 ///< one more than vertices
-  std::vector<std::uint32_t> neighbours;            ///< of each half-edge: where it leads
-  std::vector<std::uint32_t> edge_of;               ///< of each half-edge: its edge
+  std::vector<std::uint32_t> neighbours;            ///< target of each half-edge
+  std::vector<std::uint32_t> edge_of;               ///< edge of each half-edge
   std::vector<std::array<std::uint32_t, 2>> edges;  ///< ends, the smaller first, ascending
 };
 
 VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices);
 
-/// Lists of numbers, one for each of some things: those of thing i are items[begin[i]] .. items[begin[i + 1] − 1].
+/// Lists of indices, one list per entity: list i is items[begin[i]] .. items[begin[i + 1] − 1].
 struct ItemLists {
   std::vector<std::uint32_t> begin, items;
 };
 
-/// For each vertex the corners that it is: 4 tetrahedron + corner, ascending.
+/// For each vertex its corners: 4 tetrahedron + corner, ascending.
 ItemLists corners_of_vertices(std::span<const Tet> tets, std::size_t vertices);
 
-/// For each edge of the graph the tetrahedra around it: 16 tetrahedron + 4 corner of its first end + corner of its
+/// For each edge of the graph the surrounding tetrahedra: 16 tetrahedron + 4 corner of its first end + corner of its
 /// second, ascending.
 ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph);
-
-/// An order of the vertices along the Morton curve, in which neighbours in space are neighbours in memory: entry k is
-/// the vertex that comes k-th.
-std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Where a surface that was never meshed can be: in balls around its samples.
+// Union of balls around samples: bounds a surface without a mesh.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// A union of balls that holds the whole surface (METHODS §4): rays need to look for it nowhere else. Arrays of equal
-/// length; positions in the coordinates of the field (relative to the cloud's origin), radii positive.
+/// Union of balls that contains the whole surface (tejada2008, 2.2.3 and 4.5), so that ray casting is confined to it.
+/// Arrays of equal length; positions in the field's coordinates (relative to the cloud's origin), radii positive.
 struct BallUnion {
   std::vector<Vec3f> centers;
   std::vector<float> radii;

@@ -1,4 +1,4 @@
-// Colour anywhere on a surface, from whatever is worth showing: the samples' own colours, curvature, distances.
+// Interface of colours at surface points, for example from samples, curvatures or distances.
 #pragma once
 
 #include <span>
@@ -7,11 +7,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// Spreads large batches over threads itself, as a ScalarField does.
+/// Distributes large batches over threads, as ScalarField does.
 class ColorField {
  public:
   virtual ~ColorField() = default;
-  /// sRGB components 0..1 at points on or next to the surface. Sizes must agree. Safe from several threads.
+  /// Computes sRGB components 0..1 at points on or near the surface. Sizes must agree. Thread-safe.
   virtual void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const = 0;
 };
 

@@ -1,4 +1,5 @@
-// Principal curvatures anywhere on a surface, from whatever knows them.
+// Curvatures of surfaces and level sets: the interface of principal curvatures at surface points, and their computation
+// from a field.
 #pragma once
 
 #include <span>
@@ -8,39 +9,46 @@
 
 namespace sansmesh::inline v1 {
 
-/// How a surface bends at a place: 1 / length, *positive where it is convex* (bends away from the normal).
-struct SurfaceBend {
+/// Principal curvatures at a point: 1 / length, *positive where the surface is convex* (curves away from the normal).
+struct SurfaceCurvature {
   float k1 = 0, k2 = 0;          ///< k1 >= k2
-  Vec3f direction1, direction2;  ///< unit, tangential, each up to its sign; to k1 and k2
-  bool defined = false;          ///< false: not known there, and all is zero
+  Vec3f direction1, direction2;  ///< unit tangent directions of k1 and k2, each up to sign
+  bool defined = false;          ///< false if unknown; then all members are zero
   float mean() const { return 0.5f * (k1 + k2); }
 };
 
-/// Of a symmetric form [[xx, xy], [xy, yy]] on the tangent plane with these axes: its eigenvalues and their directions.
-SurfaceBend principal_bend(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis);
+/// Eigenvalues and eigenvectors of the symmetric form [[xx, xy], [xy, yy]] on the tangent plane with these axes.
+SurfaceCurvature principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis);
 
-/// Spreads large batches over threads itself, as a ScalarField does.
+/// Distributes large batches over threads, as ScalarField does.
 class CurvatureField {
  public:
   virtual ~CurvatureField() = default;
-  /// At points on or next to the surface, seen from the side that the unit normals there point to: what is convex from
-  /// one side is concave from the other. Sizes must agree. Safe from several threads.
+  /// Computes curvatures at points on or near the surface, seen from the side of the given unit normals: reversing a
+  /// normal exchanges convex and concave. Sizes must agree. Thread-safe.
   virtual void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                        std::span<SurfaceBend> bends) const = 0;
+                        std::span<SurfaceCurvature> curvatures) const = 0;
 };
 
-/// Of the level sets of a field, by how its gradient turns over ±step in the tangent plane: at the scale of the step,
-/// therefore, and for any field whose gradients are smooth at that scale, that of a projection among them.
+/// Curvatures of a field's level sets from differences of the gradient over ±step in the tangent plane, that is, at
+/// the scale of the step. Works for all fields with smooth gradients at that scale, including projections.
 class FieldCurvature final : public CurvatureField {
  public:
-  /// The field must outlive this. Throws ArgumentError unless the step (length) is positive.
+  /// The field must outlive this object. Throws ArgumentError unless the step (length) is positive.
   FieldCurvature(const ScalarField& field, double step);
-  /// Not defined where the field is not, a step to either side.
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
+  /// Undefined where the field is undefined at the point or a step beside it.
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                std::span<SurfaceCurvature> curvatures) const override;
 
  private:
   const ScalarField& field_;
   double step_;
 };
+
+/// Computes values, gradients and curvatures of the level sets at all of x, which need not be on a surface; sizes must
+/// agree. Second derivatives are central differences of gradients over ±step (length > 0). The step should be short
+/// compared with the radii of curvature and long compared with the rounding errors of gradients: for single-precision
+/// fields, a hundredth of the sample spacing is too short, a quarter is suitable.
+void level_set_points(const ScalarField& field, std::span<const Vec3> x, double step, std::span<LevelSetPoint> result);
 
 }  // namespace sansmesh::inline v1

@@ -12,15 +12,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMoreStretch = 1.25;  // than at nodes of the lattice
-/// Blocks are halved until they are no larger than the detail, which no longer is one of their sizes: on average they
-/// are as large as those of before the deformation.
+constexpr double kMoreStretch = 1.25;  // factor of the stretch at lattice nodes
+/// Blocks are halved until they are no larger than the detail, so the detail itself is rarely a block size. With this
+/// factor the mean block size equals that before the deformation.
 constexpr double kBlocksAbout = 1.4;
 constexpr std::size_t kFieldGrain = 4096;
-/// Where a ball is looked at, in radii: every half-space that meets the ball holds one of these points.
+/// Distance of the test points in radii: every half-space that meets the ball contains one of them.
 constexpr double kLookAt = 1.25;
 
-/// Corners and middles of the faces of a cube, on the unit ball.
+/// Corners and face centres of a cube, on the unit ball.
 constexpr std::size_t kBallPoints = 14;
 std::array<Vec3, kBallPoints> ball_points() {
   std::array<Vec3, kBallPoints> p;
@@ -30,7 +30,7 @@ std::array<Vec3, kBallPoints> ball_points() {
   return p;
 }
 
-/// Where lengths of endless fields are looked at: anywhere that is finite will do.
+/// Finite part of a possibly infinite box, for evaluating lengths.
 Box3 finite_part(const Box3& box) {
   Box3 part;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -43,7 +43,7 @@ Box3 finite_part(const Box3& box) {
 
 Box3 box_after(const ScalarField& source, const SpaceMap& map, const std::optional<Box3>& near) {
   const Box3 box = source.bounds();
-  if (box.empty() || (is_finite(box.lower) && is_finite(box.upper))) return box_before(map, box, near);
+  if (box.empty() || (is_finite(box.lower) && is_finite(box.upper))) return preimage_box(map, box, near);
   constexpr double kEnd = std::numeric_limits<double>::infinity();
   return {{-kEnd, -kEnd, -kEnd}, {kEnd, kEnd, kEnd}};
 }
@@ -58,7 +58,7 @@ struct DeformedField::Places {
   std::vector<std::uint8_t> defined;
 };
 
-/// What points about balls know: of each ball where they come from, whether a cut may pass, the range of the gaps.
+/// Results at test points around each ball: their sources, whether a cut may pass, and the range of the gaps.
 struct DeformedField::Around {
   std::vector<Vec3> sources;
   std::vector<ValueRange> gaps;
@@ -137,11 +137,11 @@ void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<Val
   }
   Around around;
   if (gaps_) around = look_around(x, radius, p, stretch);
-  // What may come from a ball is in balls about where these places come from.
+  // The sources of a ball are in balls around the sources of these points.
   struct SourceBall {
     std::size_t of;
     Vec3 middle;
-    int size;  // in quarters of octaves: those of about the same size are asked together
+    int size;  // in quarters of octaves: balls of similar size are queried together
   };
   std::vector<SourceBall> balls;
   const auto add = [&](std::size_t i, const Vec3& middle, double times) {
@@ -149,7 +149,7 @@ void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<Val
   };
   for (std::size_t i = 0; i < n; ++i) {
     add(i, p.source[i], 1);
-    // Across a cut the map jumps: from the place that is beside there is a straight way on its side.
+    // The map jumps across a cut; a test point beside it is connected with each point on its side by a straight line.
     if (gaps_ && around.cut[i])
       for (std::size_t k = 0; k < kBallPoints; ++k) add(i, around.sources[kBallPoints * i + k], 1 + kLookAt);
     found[i] = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -172,7 +172,7 @@ void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<Val
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
-    // Beyond where the map is defined nothing is known of what lies beside.
+    // Outside the domain of the map nothing is known about the neighbourhood.
     if (!p.defined[i] || (gaps_ && around.undefined[i])) found[i] = {-nothing_, nothing_};
     if (!gaps_) continue;
     const ValueRange& gap = around.gaps[i];
@@ -255,7 +255,7 @@ void DeformedField::survey(std::span<const Vec3> x, const SurveyReach& reach, st
   if (pieces_) finish(p, x, values, {}, true);
   for (std::size_t i = 0; i < x.size(); ++i) {
     Surroundings& a = around[i];
-    // One piece that fills all has no other beside it.
+    // A single piece has no neighbours.
     if (!pieces_) a.alone = std::numeric_limits<double>::infinity();
     a.alone /= kMoreStretch * stretch_.around(x[i], reach.alone).most;
     a.detail *= kBlocksAbout / stretch_.at(x[i]);

@@ -1,4 +1,4 @@
-// A function deformed: seen through a map of space, without resampling (METHODS §7.1).
+// Field deformed by a map of space, without resampling (tejada2008, 6.4; docs/methods/deformation.md).
 #pragma once
 
 #include <cstddef>
@@ -14,29 +14,29 @@
 
 namespace sansmesh::inline v1 {
 
-/// f(T(x)) / s(x) for a backward map T: the surface {f = 0} of before the deformation as it is after it. s is the local
-/// stretch of T (MapStretch), so that values are roughly lengths again, and never more than f says about the distance.
-/// Gradients are those of the quotient, with Jᵀ ∇f. Pieces stay pieces, and creases creases. Where a cut has opened a
-/// gap the value is the gap's, as far as that is larger: a solid then ends at the faces of the cut, which are one more
-/// piece. Where the map is not defined there is nothing: the value is the size of the field's box.
+/// f(T(x)) / s(x) for a backward map T: the deformed surface {f = 0}. s is the local stretch of T (MapStretch), so that
+/// values approximate lengths and never exceed the distance bound of f. Gradients are those of the quotient, with Jᵀ
+/// ∇f. Pieces and creases are preserved. Inside a gap opened by a cut the value is the maximum of this and the gap
+/// value, so that a solid ends at the faces of the cut, which form one more piece. Where the map is undefined, the
+/// value is the size of the field's box.
 class DeformedField final : public PiecewiseField {
  public:
-  /// `near`: a box about where the deformed field lies (box_before). Throws DataError as box_before where the source's
+  /// `near`: an approximate box of the deformed field (preimage_box). Throws DataError as preimage_box, if the source's
   /// bounds are finite.
   DeformedField(std::shared_ptr<const ScalarField> source, std::shared_ptr<const SpaceMap> map,
                 std::optional<Box3> near = {});
 
-  /// Infinite in all directions where that of the source is in one.
+  /// Infinite in all directions if the source's box is infinite in one.
   Box3 bounds() const override { return bounds_; }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
-  /// Where T is defined, and the source is at T(x). Gaps belong to it.
+  /// Inside where T is defined and the source is defined at T(x). Gaps count as inside.
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                           std::span<std::uint8_t> inside) const override;
-  /// Those of the source in balls as large as the stretch makes them. Taken for granted is that T stretches no more
-  /// than a quarter more than at the nodes of the lattice (33 along the longest side) in and beside the ball, that
-  /// gaps change no faster than kAssumedSlope, and that no gap lies in a ball whose middle and 14 points about it know
-  /// of none. Where the gaps say that a cut may pass the ball, or these points come from farther apart than the stretch
-  /// allows, the ranges are those of what comes from all 15, as of cuts that are flat there.
+  /// Ranges of the source in balls scaled by the stretch. Assumptions: in and around the ball, T stretches at most a
+  /// quarter more than at the nodes of the lattice (33 along the longest side); gaps change no faster than
+  /// kAssumedSlope; and a ball contains no gap if none is found at its centre and 14 points around it. If a cut may
+  /// pass through the ball, or these points have sources farther apart than the stretch allows, the ranges cover the
+  /// sources of all 15 points, which is exact for locally flat cuts.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
   std::uint32_t pieces() const override { return source_pieces() + (gaps_ ? 1 : 0); }
@@ -54,17 +54,17 @@ class DeformedField final : public PiecewiseField {
   Places places(std::span<const Vec3> x, bool jacobians) const;
   Around look_around(std::span<const Vec3> x, double radius, const Places& places,
                      std::span<const MapStretch::Range> stretch) const;
-  /// From the source's answers to the quotient, and the gap where that is larger.
+  /// Computes the quotient from the source's results, and the maximum with the gap value.
   void finish(const Places& places, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
               bool with_gaps) const;
 
   std::shared_ptr<const ScalarField> source_;
-  const PiecewiseField* pieces_;  // the same, if it is one
+  const PiecewiseField* pieces_;  // the source, if it is piecewise
   std::shared_ptr<const SpaceMap> map_;
   bool gaps_;
   Box3 bounds_;
   MapStretch stretch_;
-  double nothing_;  // value where there is nothing
+  double nothing_;  // value where the map is undefined
 };
 
 }  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kVolumeGrain = 4096;
-constexpr std::size_t kTogether = 4096;  // places looked at before the source is asked: what they need stays near
+constexpr std::size_t kTogether = 4096;  // points mapped before the source is evaluated: their data stays in cache
 
 }  // namespace
 
@@ -20,7 +20,7 @@ DeformedVolume::DeformedVolume(std::shared_ptr<const VolumeField> source, std::s
     : source_(std::move(source)),
       map_(std::move(map)),
       gaps_(map_->has_gaps()),
-      bounds_(bounds ? *bounds : box_before(*map_, source_->bounds(), near)),
+      bounds_(bounds ? *bounds : preimage_box(*map_, source_->bounds(), near)),
       stretch_(*map_, bounds_) {}
 
 void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeAnswers& wanted) const {
@@ -35,7 +35,7 @@ void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeAnswers& wa
     std::vector<Jacobian> jacobians(now.gradients.empty() ? 0 : n);
     std::vector<double> gaps(gaps_ && !now.inside.empty() ? n : 0);
     map_->map(all.subspan(first, n), {source, jacobians, gaps, {}});
-    source_->evaluate(source, now);  // zero where they are not finite
+    source_->evaluate(source, now);  // zero for positions that are not finite
     for (std::size_t i = 0; i < n; ++i) {
       if (!now.inside.empty() && (!is_finite(source[i]) || (!gaps.empty() && gaps[i] > 0))) now.inside[i] = 0;
       if (now.gradients.empty()) continue;
@@ -61,7 +61,7 @@ void DeformedVolume::spacing(std::span<const Vec3> x, std::span<double> found) c
 void DeformedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const {
   std::vector<Box3> images(boxes.size());
   map_->images(boxes, images);
-  // Beyond the source's box its values are those of some place in it.
+  // Outside its box the source takes values of points inside.
   const Box3 all = source_->bounds();
   for (Box3& b : images) {
     if (b.empty()) b = all;

@@ -1,4 +1,4 @@
-// A volume deformed: seen through a map of space, without resampling (METHODS §7.1).
+// Volume deformed by a map of space, without resampling (tejada2008, 6.4; docs/methods/deformation.md).
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// f(T(x)) for a backward map T; gradients are Jᵀ ∇f = (I + J_D)ᵀ ∇f with D(x) = T(x) − x. Components are carried as
-/// they are, those of vectors too. Gaps that a cut has opened, and places where the map is not defined, are not in the
-/// volume; values there go on as f does, or are zero.
+/// f(T(x)) for a backward map T; gradients are Jᵀ ∇f = (I + J_D)ᵀ ∇f with D(x) = T(x) − x. Components are transported
+/// unchanged, including those of vectors. Gaps opened by cuts, and points where the map is undefined, are outside the
+/// volume; values there continue those of f, or are zero.
 class DeformedVolume final : public VolumeField {
  public:
-  /// `near`: a box about where the deformed volume lies. `bounds` is taken as it is where given, else found
-  /// (box_before). Throws DataError as that does.
+  /// `near`: an approximate box of the deformed volume. `bounds` is used unchanged if given, otherwise computed
+  /// (preimage_box). Throws DataError as preimage_box.
   DeformedVolume(std::shared_ptr<const VolumeField> source, std::shared_ptr<const SpaceMap> map,
                  std::optional<Box3> near = {}, std::optional<Box3> bounds = {});
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return source_->components(); }
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
-  /// That at T(x) through the stretch there.
+  /// Spacing at T(x) divided by the stretch.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
-  /// Those of the source in the boxes that hold T of these (SpaceMap::images).
+  /// Ranges of the source in boxes that contain the images under T (SpaceMap::images).
   void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
 
  private:

@@ -15,12 +15,12 @@ template <class Value, class Gradient>
 void check_sizes(const Places& at, const Answers<Value, Gradient>& wanted) {
   const auto fits = [n = at.points.size()](const auto& span) { return span.empty() || span.size() == n; };
   if (!fits(wanted.values) || !fits(wanted.gradients) || !fits(wanted.inside))
-    throw ArgumentError("the answers are not as many as the places");
+    throw ArgumentError("the numbers of results and points differ");
   if (at.times.size() > 1 && at.times.size() != at.points.size())
-    throw ArgumentError("the moments are not as many as the places");
+    throw ArgumentError("the numbers of times and points differ");
 }
 
-/// The answers, or room for them where they are not wanted but have to be made.
+/// Span of the requested results, or of a buffer if they are only needed internally.
 template <class T>
 std::span<T> or_room(std::span<T> wanted, std::size_t count, std::vector<T>& room) {
   if (!wanted.empty()) return wanted;

@@ -11,20 +11,20 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kInverseTolerance = 1e-10;  // of the box of the targets
-constexpr double kRounding = 1e-14;          // of their coordinates
-constexpr double kSingular = 1e-9;           // determinant against the product of the columns' lengths
-constexpr double kShortestStep = 1e-3;       // of Newton's: shorter ones lead nowhere
+constexpr double kInverseTolerance = 1e-10;  // relative to the targets' box
+constexpr double kRounding = 1e-14;          // relative to their coordinates
+constexpr double kSingular = 1e-9;           // determinant relative to the product of the column lengths
+constexpr double kShortestStep = 1e-3;       // shorter Newton steps do not converge
 
 struct Target {
   std::uint32_t index;
-  Vec3 at;           // the best so far
-  double distance;   // of its image
-  Vec3 step;         // Newton's from there
-  double share = 1;  // of it that is tried now
+  Vec3 at;           // best position so far
+  double distance;   // distance of its image from the target
+  Vec3 step;         // Newton step from there
+  double share = 1;  // fraction of the step in the current trial
 };
 
-/// Towards the target: Newton's step, or that of the steepest descent where there is none.
+/// Step towards the target: Newton's, or steepest descent if the Jacobian is singular.
 Vec3 step_of(const Jacobian& j, const Vec3& residual) {
   const Matrix3 m{j[0], j[1], j[2]};
   const double scale = norm(j[0]) * norm(j[1]) * norm(j[2]);
@@ -97,7 +97,8 @@ void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
     for (std::size_t i = 0; i < x.size(); ++i)
       if (!is_finite(starts[i])) starts[i] = x[i];
   }
-  const InverseAnswers found = inverse_map(*map_, x, starts, {tolerance_});  // that of the batch would depend on it
+  // A fixed tolerance: the default would depend on the batch.
+  const InverseAnswers found = inverse_map(*map_, x, starts, {tolerance_});
   std::vector<Vec3> positions(x.size());
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < x.size(); ++i)

@@ -1,4 +1,4 @@
-// Where a map of space comes from: its inverse at single points, by Newton's method.
+// Pointwise inverse of a map of space by Newton's method.
 #pragma once
 
 #include <cstddef>
@@ -13,31 +13,32 @@
 namespace sansmesh::inline v1 {
 
 struct InverseOptions {
-  /// Accepted distance between T(v) and the target (length, > 0); default: 1e-10 of the targets' box, or what rounding
-  /// leaves of it.
+  /// Accepted distance between T(v) and the target (length, > 0); default: 1e-10 of the size of the targets' box, at
+  /// least the rounding error of its coordinates.
   double tolerance = 0;
   int most_steps = 50;
 };
 
-/// A v with T(v) = targets[i] for each, from the starts (as many): damped Newton, whose steps are shortened until they
-/// come nearer, and go against the gradient of the distance where the Jacobian has no inverse. `found[i]` is 1 where
-/// the tolerance holds; elsewhere (there may be no such v: folds, gaps, beyond where the map is defined) the position
-/// is the best that was seen, the start at least. Where space is folded several v are right, and the start decides.
+/// Computes v with T(v) = targets[i] for each target, from as many start points, by damped Newton: steps are shortened
+/// until the distance decreases, and follow the negative gradient of the distance where the Jacobian is singular.
+/// `found[i]` is 1 if the tolerance is reached; otherwise (no solution: folds, gaps, outside the domain of the map) the
+/// position is the best one found, at least the start. Where space is folded, several solutions exist and the start
+/// selects one.
 struct InverseAnswers {
   std::vector<Vec3> positions;
   std::vector<std::uint8_t> found;
-  std::size_t missed = 0;  ///< how many were not found
+  std::size_t missed = 0;  ///< number of targets not reached
 };
-/// Throws ArgumentError where sizes differ.
+/// Throws ArgumentError if sizes differ.
 InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
                            const InverseOptions& options = {});
 
-/// The inverse of a map as a map: from places before to places after, if the map is a backward one. Where none is found
-/// it is not defined (NaN). It has no gaps: what they show comes from nowhere.
+/// Inverse of a map as a map; the inverse of a backward map is a forward map. Undefined (NaN) where no solution is
+/// found. Has no gaps: their points have no source.
 class InverseMap final : public SpaceMap {
  public:
-  /// `tolerance` as in InverseOptions, > 0. `starts`: a map that comes near, such as the forward one of the same
-  /// handles; null: each place starts at itself.
+  /// `tolerance` as in InverseOptions, > 0. `starts`: an approximate inverse, for example the forward map of the same
+  /// handles; null: each point is its own start.
   InverseMap(std::shared_ptr<const SpaceMap> map, double tolerance, std::shared_ptr<const SpaceMap> starts = {})
       : map_(std::move(map)), starts_(std::move(starts)), tolerance_(tolerance) {}
 

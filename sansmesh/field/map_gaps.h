@@ -1,4 +1,4 @@
-// The gaps that cuts open in a deformed space, as a field: above 0 in them.
+// Scalar field that is positive inside the gaps that cuts open in a deformed space.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// MapAnswers::gaps in a box; where no gap is near minus the box's diagonal. The gradient is zero there.
+/// MapAnswers::gaps in a box; far from all gaps it is minus the box's diagonal, with zero gradient.
 class MapGaps final : public ScalarField {
  public:
   MapGaps(std::shared_ptr<const SpaceMap> map, const Box3& box) : map_(std::move(map)), box_(box) {}

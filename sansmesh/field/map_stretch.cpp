@@ -5,22 +5,23 @@
 #include <limits>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kFacePoints = 33;   // along each edge of a face
-constexpr std::size_t kBoxCells = 32;     // along each edge of the box
-constexpr std::size_t kStretchBlock = 6;  // nodes along each axis whose range is kept
-constexpr std::size_t kFewNodes = 100;    // that are looked at one by one
+constexpr std::size_t kFacePoints = 33;   // per edge of a face
+constexpr std::size_t kBoxCells = 32;     // per edge of the box
+constexpr std::size_t kStretchBlock = 6;  // nodes per axis with a common range
+constexpr std::size_t kFewNodes = 100;    // up to this number, nodes are visited individually
 constexpr int kMostGrowth = 60;
-constexpr double kGrowth = 0.2;     // of the box at a time
-constexpr double kFarthest = 1000;  // sizes of the source
-constexpr double kBetween = 1.25;   // by how much the map may stretch more between two points than at them
+constexpr double kGrowth = 0.2;     // growth of the box per round
+constexpr double kFarthest = 1000;  // in sizes of the source
+constexpr double kBetween = 1.25;   // factor for a larger stretch of the map between points
 
-/// Whether what is within a distance of T(x) meets the box, for points that lie so far apart.
+/// Whether the image of a ball of this radius around a point with image T(x) may meet the box.
 bool may_meet(const Box3& box, const Vec3& image, const Jacobian& j, double radius) {
   if (!is_finite(image)) return false;
   const double reach = kBetween * largest_stretch(j) * radius;
@@ -34,7 +35,7 @@ Vec3 between(const Box3& box, double u, double v, double w) {
           box.lower.z + w * (box.upper.z - box.lower.z)};
 }
 
-/// Points of the source followed back through the map.
+/// Box of the inverse images of points of the source.
 Box3 box_of_inverse(const SpaceMap& map, const Box3& source) {
   constexpr int kPoints = 5;
   std::vector<Vec3> targets;
@@ -42,7 +43,7 @@ Box3 box_of_inverse(const SpaceMap& map, const Box3& source) {
     for (int j = 0; j < kPoints; ++j)
       for (int i = 0; i < kPoints; ++i)
         targets.push_back(between(source, i / (kPoints - 1.0), j / (kPoints - 1.0), l / (kPoints - 1.0)));
-  // First the middle; the others start from where it went.
+  // Inverts the centre first; the other points start from its result.
   const Vec3 middle = source.center();
   const InverseAnswers first = inverse_map(map, std::span(&middle, 1), std::span(&middle, 1));
   std::vector<Vec3> starts;
@@ -55,7 +56,7 @@ Box3 box_of_inverse(const SpaceMap& map, const Box3& source) {
   return box;
 }
 
-/// Which faces of the box (lower x, upper x, …) hold points that may map into the source.
+/// Faces of the box (lower x, upper x, …) with points that may map into the source.
 std::array<bool, 6> faces_met(const SpaceMap& map, const Box3& box, const Box3& source) {
   std::vector<Vec3> x;
   for (std::size_t face = 0; face < 6; ++face)
@@ -84,7 +85,7 @@ std::array<bool, 6> faces_met(const SpaceMap& map, const Box3& box, const Box3& 
 }  // namespace
 
 double largest_stretch(const Jacobian& j) {
-  // The largest eigenvalue of J^T J, by the roots of its cubic.
+  // Largest eigenvalue of J^T J, by the roots of its cubic.
   const double a = squared_norm(j[0]), b = squared_norm(j[1]), c = squared_norm(j[2]);
   const double d = dot(j[0], j[1]), e = dot(j[1], j[2]), f = dot(j[0], j[2]);
   const double off = d * d + e * e + f * f;
@@ -122,9 +123,7 @@ MapStretch::MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes) 
   }
   double usual = 1;
   if (!known.empty()) {
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    usual = *middle;
+    usual = median(known);
     all_ = {*std::min_element(known.begin(), known.end()), *std::max_element(known.begin(), known.end())};
   }
   for (double& s : nodes_)
@@ -146,7 +145,7 @@ double MapStretch::at(const Vec3& x, Vec3* gradient) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = (x[k] - box_.lower[k]) * inverse_[k], most = static_cast<double>(counts_[k] - 1);
     inside[k] = at > 0 && at < most;
-    const double place = inside[k] ? at : at >= most ? most : 0;  // NaN: 0
+    const double place = inside[k] ? at : at >= most ? most : 0;  // 0 for NaN
     i[k] = std::min(static_cast<std::size_t>(place), counts_[k] > 1 ? counts_[k] - 2 : 0);
     t[k] = place - static_cast<double>(i[k]);
     next[k] = std::min(i[k] + 1, counts_[k] - 1);
@@ -171,7 +170,6 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
   std::size_t first[3], last[3];
   std::size_t count = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double most = static_cast<double>(counts_[k] - 1);
     const double low = std::floor((x[k] - radius - box_.lower[k]) * inverse_[k]) - 1;
     const double high = std::ceil((x[k] + radius - box_.lower[k]) * inverse_[k]) + 1;
     first[k] = index_in<std::size_t>(low, 0, counts_[k] - 1);
@@ -195,12 +193,12 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
   return range;
 }
 
-Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near) {
+Box3 preimage_box(const SpaceMap& map, const Box3& source, std::optional<Box3> near) {
   if (source.empty()) return source;
   Box3 box = near ? *near : box_of_inverse(map, source);
   if (box.empty()) box = source;
   const double least = 1e-3 * source.diagonal();
-  for (std::size_t k = 0; k < 3; ++k)  // of what is flat, too, there are faces to look at
+  for (std::size_t k = 0; k < 3; ++k)  // flat boxes need faces with area
     if (box.upper[k] - box.lower[k] < least) box.lower[k] -= least, box.upper[k] += least;
   for (int round = 0;; ++round) {
     const std::array<bool, 6> met = faces_met(map, box, source);
@@ -209,9 +207,9 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
     for (std::size_t face = 0; face < 6; ++face)
       if (met[face]) (face % 2 ? box.upper : box.lower)[face / 2] += face % 2 ? step : -step;
     if (round == kMostGrowth || box.diagonal() > kFarthest * source.diagonal())
-      throw DataError("the deformation leaves no end: places ever farther away show what is to be deformed");
+      throw DataError("the deformed object has no bounds: points at any distance map into the original");
   }
-  // What of it shows anything.
+  // Cells that may map into the source.
   const Vec3 step = box.size() * (1.0 / kBoxCells);
   std::vector<Vec3> x;
   for (std::size_t l = 0; l < kBoxCells; ++l)
@@ -228,9 +226,9 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
       tight.extend(x[i] - step * 0.5);
       tight.extend(x[i] + step * 0.5);
     }
-  // Cells that a cut passes show what their middle does not.
+  // Cells crossed by a cut map differently from their centres.
   if (!tight.empty() && map.has_gaps()) tight = {tight.lower - step, tight.upper + step};
-  if (tight.empty()) throw DataError("the deformation leaves nothing: no place shows what is to be deformed");
+  if (tight.empty()) throw DataError("the deformed object is empty: no point maps into the original");
   return tight;
 }
 

@@ -1,5 +1,4 @@
-// By how much a map of space stretches lengths, and where what it shows lies: what fields seen through it need to know
-// of it once.
+// Stretch of a map of space on a lattice, and the box of a deformed object.
 #pragma once
 
 #include <array>
@@ -12,25 +11,25 @@
 
 namespace sansmesh::inline v1 {
 
-/// The largest singular value of a Jacobian: what lengths are multiplied with at most.
+/// Largest singular value of a Jacobian: the largest factor of lengths.
 double largest_stretch(const Jacobian& j);
 
-/// The stretch on a lattice over a box, linear in between in all three directions; beyond the box that of its surface.
-/// Continuous and positive. Where the map is not defined it is the median of where it is.
+/// Stretch on a lattice over a box, interpolated trilinearly; constant continuation outside the box. Continuous and
+/// positive. Where the map is undefined, it is the median of the defined nodes.
 class MapStretch {
  public:
-  /// `box` must be finite. So many nodes along its longest side, 2..256.
+  /// `box` must be finite. `nodes` is the number of nodes along its longest side, 2..256.
   MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes = 33);
 
-  /// And its gradient.
+  /// Stretch at x, and optionally its gradient.
   double at(const Vec3& x, Vec3* gradient = nullptr) const;
   struct Range {
     double least, most;
   };
-  /// Of all nodes of the cells that a box around the ball meets and of those beside these, at least: of large balls
-  /// some farther away count, too.
+  /// Range over at least the nodes of all cells that the bounding box of the ball meets, and of their neighbours; for
+  /// large balls also over some nodes farther away.
   Range around(const Vec3& x, double radius) const;
-  /// Of all nodes.
+  /// Range over all nodes.
   Range range() const { return all_; }
 
  private:
@@ -42,15 +41,15 @@ class MapStretch {
   Vec3 inverse_;  // cells per length
   std::vector<double> nodes_;
   std::array<std::size_t, 3> blocks_{1, 1, 1};
-  std::vector<Range> block_ranges_;  // of blocks of nodes
+  std::vector<Range> block_ranges_;  // ranges of blocks of nodes
   Range all_{1, 1};
 };
 
-/// A box that holds all x with T(x) in `source` (finite), as far as can be found: from a box that is near it (default:
-/// from the inverse at points of the source) it grows until no point of a lattice of 33² on each of its faces maps into
-/// the source widened by what the map does between these points, then shrinks to the cells of a lattice of 32³ that
-/// may, and where the map has gaps those beside them. Throws DataError where nothing maps there or there is no end to
-/// it (growth stops at a thousand times the source's size).
-Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
+/// Bounding box of all x with T(x) in `source` (finite), as far as it can be determined. Starts from an approximate box
+/// (default: the inverse at points of the source) and grows it until no point of a lattice of 33² per face maps into
+/// the source, widened by the variation of the map between lattice points. Then shrinks it to the cells of a lattice of
+/// 32³ that may map into the source, plus their neighbours if the map has gaps. Throws DataError if nothing maps into
+/// the source, or if growth exceeds a thousand times the source's size.
+Box3 preimage_box(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
 
 }  // namespace sansmesh::inline v1

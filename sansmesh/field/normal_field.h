@@ -1,4 +1,4 @@
-// Directions of a surface that are better than the gradient of the field that defines it.
+// Interface of surface normals that are more accurate than the gradients of the defining field.
 #pragma once
 
 #include <span>
@@ -7,12 +7,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Spreads large batches over threads itself, as a ScalarField does.
+/// Distributes large batches over threads, as ScalarField does.
 class NormalField {
  public:
   virtual ~NormalField() = default;
-  /// Replaces unit normals at points on or next to the surface by better ones. Where there is nothing to say they stay.
-  /// Sizes must agree. Safe from several threads.
+  /// Replaces unit normals at points on or near the surface by more accurate ones; leaves them unchanged where it has
+  /// none. Sizes must agree. Thread-safe.
   virtual void refine(std::span<const Vec3> x, std::span<Vec3> normals) const = 0;
 };
 

@@ -1,5 +1,5 @@
-// Fields that are smooth but for creases: the interface between constructive geometry, which makes them, and
-// polygonisation, which puts vertices on their creases.
+// Piecewise smooth fields with creases: the interface between constructive solid geometry, which produces them, and
+// polygonisation, which puts vertices on creases.
 #pragma once
 
 #include <algorithm>
@@ -12,61 +12,58 @@
 
 namespace sansmesh::inline v1 {
 
-/// What is known of a field around a point: how large blocks of a mesh may be there.
+/// Local properties of a field that bound the block size of a mesh.
 struct Surroundings {
-  /// Radius of a ball around the point within which the field is one piece: of no use beyond SurveyReach::alone, 0
-  /// where nothing is known.
+  /// Radius of a ball around the point in which the field is one piece; used up to SurveyReach::alone, 0 if unknown.
   double alone = 0;
-  /// Edge of blocks that resolve the piece: 0 where that is not known, infinity where the piece is a formula without
-  /// any detail that values and gradients at a few points would miss.
+  /// Edge length of blocks that resolve the piece: 0 if unknown, infinite if the piece is a formula without details
+  /// that values and gradients at a few points would miss.
   double detail = 0;
 };
 
-/// How far around a point a survey looks (lengths).
+/// Radii of a survey around a point (lengths).
 struct SurveyReach {
-  double detail = 0;  ///< for details
-  double alone = 0;   ///< for other pieces
+  double detail = 0;  ///< radius for details
+  double alone = 0;   ///< radius for other pieces
 };
 
 class PieceExpression;
 
-/// At every point the value is that of one of several smooth functions, its pieces (combined by minima, maxima and
-/// changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner. All that is
-/// asked of many points spreads them over threads itself, as evaluate() does.
+/// Field whose value at every point is that of one of several smooth functions, its pieces (combined by minima, maxima
+/// and changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner. All batch
+/// functions distribute points over threads, as evaluate() does.
 class PiecewiseField : public ScalarField {
  public:
   /// Number of pieces, numbered from 0.
   virtual std::uint32_t pieces() const = 0;
 
-  /// Which piece is the field at each of x. As many entries as x. Safe from several threads.
+  /// Writes the active piece at each of x. As many entries as x. Thread-safe.
   virtual void active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const = 0;
 
-  /// One piece at all of x, wherever it is active, with the sign that it has in the field; `gradients` may be empty.
-  /// Safe from several threads.
+  /// Evaluates one piece at all of x, active or not, with its sign in the field; `gradients` may be empty. Thread-safe.
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
 
-  /// A bound for the norm of the gradients, if there is one that is known. Where there is none, ranges() says how the
-  /// values change.
+  /// Known bound for the gradient norm, if any. Without one, ranges() bounds the change of values.
   virtual std::optional<double> slope_bound() const { return std::nullopt; }
 
-  /// Thickness of the thinnest part or hole that is known, infinity if there is none.
+  /// Known thickness of the thinnest part or hole; infinite if there is none.
   virtual double thickness() const { return std::numeric_limits<double>::infinity(); }
 
-  /// The field as minima and maxima of its pieces (piece_expression.h), where it is nothing else; else nothing. Where
-  /// surfaces coincide but for rounding, parts of a union overlap, by the length `tie`, and what is subtracted goes
-  /// through: `tie` should be far above the rounding of values, and below that of the mesh.
+  /// Expression of minima and maxima that equals the field (piece_expression.h), if there is one; otherwise null. Where
+  /// surfaces coincide up to rounding, parts of a union overlap by the length `tie`, and subtracted parts cut through:
+  /// `tie` should be far above the rounding errors of values and below the resolution of the mesh.
   virtual std::shared_ptr<const PieceExpression> expression([[maybe_unused]] double tie) const { return nullptr; }
 
-  /// Values, and what is known around each of x. As many entries as x. Safe from several threads. Nothing is known
-  /// unless this is overridden.
+  /// Evaluates values and local properties at each of x. As many entries as x. Thread-safe. The default knows no
+  /// properties.
   virtual void survey(std::span<const Vec3> x, [[maybe_unused]] const SurveyReach& reach, std::span<double> values,
                       std::span<Surroundings> around) const {
     evaluate(x, values);
     std::fill(around.begin(), around.end(), Surroundings{});
   }
 
-  /// From the slope, if that is known.
+  /// Uses the slope bound, if known.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
     detail::ranges_by_slope(*this, slope_bound().value_or(kAssumedSlope), x, radius, found);
   }

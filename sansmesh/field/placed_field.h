@@ -1,26 +1,26 @@
-// A field in other coordinates.
+// Field in other coordinates.
 #pragma once
 
 #include <memory>
 #include <utility>
 
-#include "sansmesh/field/similarity.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/scalar_field.h"
 
 namespace sansmesh::inline v1 {
 
-/// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit.
+/// Field given in local coordinates, evaluated in input coordinates: values are lengths and scale with the unit.
 class PlacedField : public ScalarField {
  public:
-  /// The field must outlive it.
+  /// The field must outlive this object.
   PlacedField(const ScalarField& field, const LocalFrame& frame) : PlacedField(nullptr, field, frame) {}
-  /// Keeps `owner`, which the field is part of.
+  /// Keeps `owner`, which owns the field.
   PlacedField(std::shared_ptr<const void> owner, const ScalarField& field, const LocalFrame& frame)
       : owner_(std::move(owner)), field_(field), frame_(similarity_of(frame)) {}
 
   Box3 bounds() const override {
     const Box3 box = field_.bounds();
-    return {frame_.apply(box.lower), frame_.apply(box.upper)};
+    return {frame_(box.lower), frame_(box.upper)};
   }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
     field_.evaluate(frame_.back(x), values, gradients);
@@ -37,7 +37,7 @@ class PlacedField : public ScalarField {
   }
 
  private:
-  std::shared_ptr<const void> owner_;  ///< null: somebody else keeps the field
+  std::shared_ptr<const void> owner_;  ///< null if the field is owned elsewhere
   const ScalarField& field_;
   Similarity frame_;
 };

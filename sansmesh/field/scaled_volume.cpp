@@ -9,7 +9,7 @@ namespace sansmesh::inline v1 {
 
 ScaledVolume::ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector<double> factors)
     : field_(std::move(field)), factors_(std::move(factors)) {
-  if (factors_.size() != field_->components()) throw ArgumentError("`factors` must be one a component");
+  if (factors_.size() != field_->components()) throw ArgumentError("`factors` needs one value per component");
 }
 
 void ScaledVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {

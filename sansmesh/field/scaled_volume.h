@@ -1,4 +1,4 @@
-// A quantity in another unit: fields that were made of values of about 1 give them as the data have them.
+// Volume field in another unit: rescales fields fitted to values of order 1.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// A field times a factor for each component. Powers of two leave every digit as it is.
+/// Field times a factor per component. Powers of two keep all digits.
 class ScaledVolume : public VolumeField {
  public:
-  /// `factors`: one a component, positive. Throws ArgumentError for another number of them.
+  /// `factors`: one per component, positive. Throws ArgumentError for another number of factors.
   ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector<double> factors);
   Box3 bounds() const override { return field_->bounds(); }
   std::size_t components() const override { return field_->components(); }

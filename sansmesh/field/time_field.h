@@ -1,4 +1,4 @@
-// A function of space that changes in time: what surfaces that move are cut out of.
+// Scalar field that changes with time, for moving surfaces.
 #pragma once
 
 #include <span>
@@ -10,24 +10,23 @@
 
 namespace sansmesh::inline v1 {
 
-/// At each moment as ScalarField: negative inside, positive outside, in units of length near its zero set. Who runs in
-/// parallel: the field does.
+/// ScalarField at each time: negative inside, positive outside, in units of length near its zero set. Parallelism is
+/// the field's task.
 class TimeField {
  public:
   virtual ~TimeField() = default;
 
-  /// Where the field is defined, at all moments; outside it evaluate() still returns finite values.
+  /// Domain of the field at all times; outside it, evaluate() still returns finite values.
   virtual Box3 bounds() const = 0;
-  /// When it is defined; both ends are finite.
+  /// Times of definition; both ends are finite.
   virtual TimeRange times() const = 0;
 
-  /// Values at position x[i] at the moment t[i], which lies in times(), for every i. All spans have the length of x.
-  /// Each answer depends on x[i] and t[i] alone. One call a batch: moments in a row evaluate fastest. Safe from several
-  /// threads.
+  /// Evaluates position x[i] at time t[i], which is in times(), for every i. All spans have the length of x. Each
+  /// result depends on x[i] and t[i] only. One call per batch, fastest if points of one time are adjacent. Thread-safe.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<double> values) const = 0;
 
-  /// What all values within `radius` (length, >= 0) of x[i] during [t[i] − duration, t[i] + duration] lie between, as
-  /// far as that is in times(): where it does not hold 0, no surface passes. Infinite ends where nothing is known.
+  /// Bounds the values within `radius` (length, >= 0) of x[i] during [t[i] − duration, t[i] + duration] ∩ times(): if
+  /// the interval does not contain 0, no surface passes. Infinite ends if nothing is known.
   virtual void ranges(std::span<const Vec3> x, double radius, std::span<const double> t, double duration,
                       std::span<ValueRange> found) const = 0;
 };

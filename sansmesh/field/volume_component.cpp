@@ -20,7 +20,7 @@ VolumeComponent::VolumeComponent(const VolumeField& field, std::optional<std::si
 void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
   const std::size_t count = field_.components();
   if (count == 1) return field_.evaluate(x, wanted);
-  // The gradient of a length asks for the vector, too.
+  // The gradient of the norm also needs the vector.
   const bool want_values = !wanted.values.empty() || (!component_ && !wanted.gradients.empty());
   std::vector<double> values(want_values ? count * x.size() : 0);
   std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : count * x.size());
@@ -43,7 +43,7 @@ void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wan
 }
 
 void VolumeComponent::ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const {
-  // What a field says of ranges is of its first component.
+  // A field's ranges refer to its first component.
   if (component_ && *component_ == 0) return field_.ranges(boxes, found);
   VolumeField::ranges(boxes, found);
 }

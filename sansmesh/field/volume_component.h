@@ -1,4 +1,4 @@
-// Numbers of a quantity of several components: one of them, or the length of the vector.
+// One component, or the norm, of a vector volume.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// A field of one component made of one of several. Its gradients follow from those of the components; where a vector
-/// vanishes, its length has none and zero is the answer.
+/// Scalar field made from one of several components. Gradients follow from those of the components; where the vector
+/// vanishes, its norm has no gradient and zero is returned.
 class VolumeComponent : public VolumeField {
  public:
-  /// `field` must outlive it. `component` counts from 0; absent: the length of the vector, or, of a field of one
-  /// component, that. Throws ArgumentError for a component that there is not.
+  /// `field` must outlive this object. `component` counts from 0; absent: the norm of the vector, or the only
+  /// component. Throws ArgumentError for a component that does not exist.
   explicit VolumeComponent(const VolumeField& field, std::optional<std::size_t> component = std::nullopt);
   Box3 bounds() const override { return field_.bounds(); }
   std::size_t components() const override { return 1; }

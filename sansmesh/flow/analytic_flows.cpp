@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The vector at a place and moment, and its derivatives; false where there is no flow.
+/// Computes the vector at a point and moment, and its derivatives; false outside the flow.
 using Formula = bool (*)(const Vec3& x, double t, Vec3& v, Jacobian& j);
 
 class FormulaFlow final : public VectorField {
@@ -37,14 +37,14 @@ class FormulaFlow final : public VectorField {
   Box3 bounds_;
 };
 
-/// Rigid, once around the z axis in 2π.
+/// Rigid rotation with period 2π about the z axis.
 bool rotation(const Vec3& x, double, Vec3& v, Jacobian& j) {
   j = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{}};
   v = {-x.y, x.x, 0};
   return true;
 }
 
-/// The same, rising by one in a unit of time.
+/// The rotation, rising by one per unit of time.
 bool helix(const Vec3& x, double, Vec3& v, Jacobian& j) {
   j = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{}};
   v = {-x.y, x.x, 1};
@@ -57,7 +57,7 @@ bool saddle(const Vec3& x, double, Vec3& v, Jacobian& j) {
   return true;
 }
 
-/// Arnold, Beltrami and Childress with A² = 3, B² = 2, C = 1.
+/// Arnold–Beltrami–Childress flow with A² = 3, B² = 2, C = 1.
 bool abc(const Vec3& x, double, Vec3& v, Jacobian& j) {
   const double a = std::sqrt(3.0), b = std::sqrt(2.0), c = 1;
   j = {Vec3{0, b * std::cos(x.x), -b * std::sin(x.x)}, Vec3{-c * std::sin(x.y), 0, c * std::cos(x.y)},
@@ -67,7 +67,7 @@ bool abc(const Vec3& x, double, Vec3& v, Jacobian& j) {
   return true;
 }
 
-/// Shadden, Lekien and Marsden 2005: two gyres, the border between them swings with period 10; the same in each z.
+/// Shadden, Lekien and Marsden 2005: two gyres whose border oscillates with period 10; independent of z.
 bool double_gyre(const Vec3& x, double t, Vec3& v, Jacobian& j) {
   constexpr double kStrength = 0.1, kSwing = 0.25, kTurn = 2 * kPi / 10;
   const double a = kSwing * std::sin(kTurn * t), b = 1 - 2 * a;
@@ -80,16 +80,16 @@ bool double_gyre(const Vec3& x, double t, Vec3& v, Jacobian& j) {
   return true;
 }
 
-/// A column of air that leans and wanders, turns fastest at its wall and rises in it; air flows in at the ground.
+/// A leaning, moving column of air, with fastest rotation at its wall and ascent inside; inflow at the ground.
 bool tornado(const Vec3& x, double t, Vec3& v, Jacobian& j) {
   constexpr double kCore = 0.12, kSwirl = 1, kRise = 0.5, kInflow = 0.35, kLean = 0.08;
-  // Where its axis is at that height, and how that moves.
+  // Position of the axis at this height, and its derivatives.
   const double phase = 3 * x.z + 0.7 * t;
   const double ax = 0.5 + kLean * x.z * std::sin(phase), ay = 0.5 + kLean * x.z * std::cos(phase);
   const double ax_z = kLean * (std::sin(phase) + 3 * x.z * std::cos(phase));
   const double ay_z = kLean * (std::cos(phase) - 3 * x.z * std::sin(phase));
   const double a = x.x - ax, b = x.y - ay, d = a * a + b * b + kCore * kCore;
-  // Swirl like a Rankine vortex, rounded: kSwirl r c / (r² + c²). Derivatives of 1 / d by a are −2a / d².
+  // Swirl like a smoothed Rankine vortex: kSwirl r c / (r² + c²). Derivatives of 1 / d by a are −2a / d².
   const double g = kSwirl * kCore / d, g_d = -g / d, w = kRise * kCore * kCore / d, w_d = -w / d;
   const double p = -kInflow * (1 - x.z);  // towards the axis
   v = {-b * g + p * a, a * g + p * b, w};
@@ -99,7 +99,7 @@ bool tornado(const Vec3& x, double t, Vec3& v, Jacobian& j) {
   return true;
 }
 
-/// Past a sphere of radius one about the origin, from the left at unit speed, without friction; none within.
+/// Potential flow of unit speed from the left past the unit sphere about the origin; none inside.
 bool past_sphere(const Vec3& x, double, Vec3& v, Jacobian& j) {
   const double r2 = squared_norm(x), r = std::sqrt(r2);
   if (r < 1) return false;
@@ -123,17 +123,17 @@ struct Known {
 };
 
 const std::array kKnown{
-    Known{{"rotation", "rigid rotation about the z axis, once in 2π", false}, rotation, {{-2, -2, -2}, {2, 2, 2}}},
-    Known{{"helix", "the same, rising by one in a unit of time", false}, helix, {{-2, -2, -20}, {2, 2, 20}}},
+    Known{{"rotation", "rigid rotation about the z axis, period 2π", false}, rotation, {{-2, -2, -2}, {2, 2, 2}}},
+    Known{{"helix", "rotation, rising by one per unit of time", false}, helix, {{-2, -2, -20}, {2, 2, 20}}},
     Known{{"saddle", "(x, -y, 0): away from x = 0, towards y = 0", false}, saddle, {{-4, -4, -4}, {4, 4, 4}}},
     Known{{"abc", "Arnold-Beltrami-Childress flow, chaotic", false},
           abc,
           {{-2 * kPi, -2 * kPi, -2 * kPi}, {4 * kPi, 4 * kPi, 4 * kPi}}},
-    Known{{"double-gyre", "two gyres with a border that swings, period 10", true}, double_gyre, {{0, 0, 0}, {2, 1, 1}}},
-    Known{{"tornado", "a leaning column that turns, rises and wanders", true}, tornado, {{0, 0, 0}, {1, 1, 1}}},
-    Known{{"past-sphere", "a stream past a sphere of radius one, without friction", false},
-          past_sphere,
-          {{-4, -4, -4}, {4, 4, 4}}}};
+    Known{
+        {"double-gyre", "two gyres with an oscillating border, period 10", true}, double_gyre, {{0, 0, 0}, {2, 1, 1}}},
+    Known{{"tornado", "a leaning, moving column that rotates and rises", true}, tornado, {{0, 0, 0}, {1, 1, 1}}},
+    Known{
+        {"past-sphere", "potential flow past a sphere of radius one", false}, past_sphere, {{-4, -4, -4}, {4, 4, 4}}}};
 
 const std::array<AnalyticFlow, kKnown.size()> kFlows = [] {
   std::array<AnalyticFlow, kKnown.size()> flows{};

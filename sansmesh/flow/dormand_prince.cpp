@@ -1,5 +1,4 @@
-// Steps as long as the tolerance allows: Dormand & Prince 1980. The interpolation between both ends is Shampine's, as
-// Hairer, Nørsett & Wanner give it.
+// Dormand and Prince's method with adaptive steps (dormand1980). The dense output is Shampine's, as in hairer1993.
 #include <array>
 #include <cmath>
 
@@ -46,7 +45,7 @@ void dormand_prince_step(ParticleStep& step) {
 }
 
 constexpr FlowIntegrator kDormandPrince[] = {{.name = "dopri5",
-                                              .summary = "Dormand and Prince's, fifth order, by the tolerance",
+                                              .summary = "Dormand-Prince, fifth order, adaptive",
                                               .step = dormand_prince_step,
                                               .order = 5,
                                               .adaptive = true,

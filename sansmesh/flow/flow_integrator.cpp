@@ -14,8 +14,8 @@ void ParticleStep::begin(std::size_t particles) {
   stages_ = 1;
 }
 
-/// At places_ and moments_. Those that have left the field in this step go on nowhere: to find what is nearest to them
-/// would cost more than all others.
+/// Evaluates the field at places_ and moments_. Particles that have left the field in this step are skipped: searching
+/// for them would cost more than all others.
 void ParticleStep::ask_field() {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < places_.size(); ++i)

@@ -1,4 +1,4 @@
-// Integrators of particles by name: how a step of many is made, and the registry of all of them.
+// Integrators of particles: batched steps and registry.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// A step of particles that go together, an entry each. Whoever makes it asks for the flow on their ways, stage by
-/// stage, all particles at once.
+/// A step of a batch of particles. The integrator queries the flow along their paths stage by stage, for all particles
+/// at once.
 class ParticleStep {
  public:
   explicit ParticleStep(const VectorField& field) : field_(field) {}
@@ -23,13 +23,13 @@ class ParticleStep {
 
   std::size_t size() const { return starts_.size(); }
   double duration(std::size_t i) const { return durations_[i]; }  ///< time of the step, negative against the flow
-  /// Those of a stage: of 0 where particles start, of k what the k-th ask() found. They stay where they are until the
-  /// step is made.
+  /// Velocities of a stage: of stage 0 at the start, of stage k from the k-th ask(). They stay valid until the step is
+  /// complete.
   std::span<const Vec3> velocities(std::size_t stage) const { return velocities_[stage]; }
 
-  /// Asks where particles are that move by mean(i) for their whole durations, a velocity, at the moment after `share`
-  /// of these. The last that is asked for, after all of it, is where the step ends. Particles that have left the flow
-  /// are nowhere from then on: they are NaN.
+  /// Queries the flow at start + mean(i) · duration, where mean(i) is a velocity, at the moment after `share` of the
+  /// duration. The last query, after the whole duration, is the end of the step. Particles that have left the flow are
+  /// NaN from then on.
   template <class Mean>
   void ask(double share, const Mean& mean) {
     for (std::size_t i = 0; i < size(); ++i) {
@@ -39,20 +39,20 @@ class ParticleStep {
     ask_field();
   }
 
-  /// Of integrators whose steps follow the tolerance: by how much its end may be off (length).
+  /// For adaptive integrators: error of the end (length).
   double& error(std::size_t i) { return errors_[i]; }
-  /// Of those that know more of the way than both ends and the velocities there: what the term of fourth degree adds
-  /// (length), as Hairer, Nørsett & Wanner write it for Dormand and Prince's; zero by itself.
+  /// For integrators with dense output: the term of fourth degree (length) beyond both ends and their velocities, as
+  /// hairer1993 writes it for Dormand and Prince's method; zero by default.
   Vec3& bulge(std::size_t i) { return bulges_[i]; }
 
-  // For those who ask for steps.
+  // For callers of steps.
 
-  /// A step of so many, which put() describes.
+  /// Starts a step of this many particles, which put() describes.
   void begin(std::size_t particles);
   void put(std::size_t i, const Vec3& start, double time, double duration, const Vec3& velocity) {
     starts_[i] = start, times_[i] = time, durations_[i] = duration, velocities_[0][i] = velocity;
   }
-  bool has_left(std::size_t i) const { return out_[i] != 0; }  ///< the flow, on its way
+  bool has_left(std::size_t i) const { return out_[i] != 0; }  ///< left the flow during the step
   const Vec3& end(std::size_t i) const { return places_[i]; }
   const Vec3& last_velocity(std::size_t i) const { return velocities_[stages_ - 1][i]; }
 
@@ -62,28 +62,29 @@ class ParticleStep {
   const VectorField& field_;
   std::vector<Vec3> starts_, places_, bulges_;
   std::vector<double> times_, durations_, moments_, errors_;
-  std::vector<std::vector<Vec3>> velocities_;  ///< as many as any step had stages
-  std::size_t stages_ = 0;                     ///< of this one
+  /// Velocities of each stage; sized for the largest number of stages so far.
+  std::vector<std::vector<Vec3>> velocities_;
+  std::size_t stages_ = 0;  ///< stages of the current step
   std::vector<std::uint8_t> inside_, out_;
 };
 
-/// One way to follow particles. Registered once, in its own source: library, command line and help know it from there.
+/// An integrator. Registered once, in its own source; library, command line and help use the registry.
 struct FlowIntegrator {
-  std::string_view name;     ///< as users write it: "rk4"
-  std::string_view summary;  ///< a few words: "fourth order"
+  std::string_view name;     ///< name for users: "rk4"
+  std::string_view summary;  ///< short description: "fourth order"
   void (*step)(ParticleStep& step) = nullptr;
-  int order = 1;  ///< the error at a moment falls as this power of the steps' length
-  /// Steps follow the tolerance: it tells their errors, which fall as that power of the length.
+  int order = 1;  ///< order of the global error in the step length
+  /// Adaptive step length: the integrator estimates errors, which fall with that order.
   bool adaptive = false;
-  /// Default of TraceOptions::step, of the diagonal of the field's bounds: how far a step goes, at most where steps
-  /// follow the tolerance.
+  /// Default of TraceOptions::step as a fraction of the diagonal of the field's bounds: the step length, or its upper
+  /// limit for adaptive integrators.
   double reach = 1e-3;
 
-  /// Those of the library in the order of sansmesh/flow/CMakeLists.txt, then those that programs add.
+  /// Integrators of the library in the order of sansmesh/flow/CMakeLists.txt, followed by registered ones.
   static Registry<FlowIntegrator>& registry();
 };
 
-/// Those of each source that has some, in the order of CMakeLists.txt, from which the definition is made.
+/// Integrators of each source, in the order of CMakeLists.txt, which generates the definition.
 std::vector<std::span<const FlowIntegrator>> own_flow_integrators();
 
 }  // namespace sansmesh::inline v1

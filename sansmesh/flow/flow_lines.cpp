@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view kLineKinds[] = {"path", "streak", "time", "stream"};
 
-/// The last of the words is another one for the first.
+/// Words of the line kinds; the last word is an alias of the first.
 struct LineKind {
   static constexpr auto kind = OptionKind::choice;
   static OptionValue get(FlowLineKind v) { return static_cast<std::int64_t>(v); }
@@ -30,18 +30,18 @@ struct LineKind {
 };
 
 constexpr double kDiagonals = 5;
-constexpr double kStill = 1e-6;  // least speed, of the median of the seeds
+constexpr double kStill = 1e-6;  // least speed over the seeds' median
 constexpr double kStreakParts = 100, kTimeParts = 10;
 constexpr double kMostParticles = 2e8;
-constexpr std::size_t kBlock = 65'536;  // points that the field is asked for at once, along lines
+constexpr std::size_t kBlock = 65'536;  // points per evaluation of the field along lines
 
-/// Lines before they are told apart from their points: of each its places, moments, and number.
+/// Lines under construction: positions, times and seed index of each.
 struct Builder {
   std::vector<Vec3> positions;
   std::vector<double> times;
   std::vector<std::size_t> offsets{0};
   std::vector<std::int32_t> seeds, ends;
-  std::optional<double> now;  ///< streaks: the moment of all places; `times` are when they left
+  std::optional<double> now;  ///< streaks: moment of all positions; `times` are those of release
 
   void add(const Vec3& x, double t) { positions.push_back(x), times.push_back(t); }
   void finish_line(std::size_t seed, std::int32_t end) {
@@ -52,9 +52,9 @@ struct Builder {
   }
 };
 
-/// Of each seed both ways as one line; empty traces are ways that were not gone.
+/// Joins the backward and the forward trace of each seed; a trace may be empty.
 void join_paths(const Traces& back, Traces& on, Builder& lines) {
-  if (back.size() == 0) {  // as they are
+  if (back.size() == 0) {  // no backward traces
     lines.positions = std::move(on.positions), lines.times = std::move(on.times);
     for (std::size_t i = 0; i < on.size(); ++i) {
       if (on.offsets[i + 1] == on.offsets[i]) continue;
@@ -116,7 +116,7 @@ class LineMaker {
       else
         speeds.push_back(norm(p.velocities[i]));
     }
-    if (speeds.empty()) throw DataError("no seed lies in the flow");
+    if (speeds.empty()) throw DataError("no seed is in the flow");
     const double fastest = *std::max_element(speeds.begin(), speeds.end());
     if (!(fastest > 0)) throw DataError("the flow is zero at all seeds");
     const double middle = median(speeds);
@@ -125,7 +125,7 @@ class LineMaker {
     usual_speed_ = middle > 0 ? middle : fastest;
   }
 
-  /// The duration, as far as one was given, or what particles of usual speed take for the usual length.
+  /// The given duration, or the time that particles of the median speed need for the default length.
   double duration() const {
     double d = options_.duration.value_or(options_.length.value_or(five_diagonals_) / usual_speed_);
     const TimeRange times = field_.times();
@@ -169,7 +169,7 @@ class LineMaker {
     progress_.begin("trace");
     move_particles(field_, p, all, end, trace_);
     lines.now = end;
-    // The last to leave first; particles that are gone end a line.
+    // Latest release first; particles that have ended interrupt the line.
     for (std::size_t s = 0; s < seeds_.size(); ++s) {
       for (std::size_t k = n; k-- > 0;) {
         const std::size_t i = s * n + k;
@@ -223,19 +223,19 @@ class LineMaker {
 const OptionSchema& FlowLineOptions::schema() {
   using O = FlowLineOptions;
   static const OptionRow rows[] = {
-      option<&O::kind, LineKind>({.text = "stream or path: where particles go; streak: dye from each seed; time: the "
-                                          "seeds' curve as it moves",
-                                  .choices = kLineKinds}),
+      option<&O::kind, LineKind>(
+          {.text = "stream or path: trajectories; streak: dye from each seed; time: the moving curve of the seeds",
+           .choices = kLineKinds}),
       option<&O::direction>(kDirectionFacts),
       option<&O::start>(kStartFacts),
       option<&O::duration>(kDurationFacts),
-      option<&O::length>({.text = "How long lines are at most",
+      option<&O::length>({.text = "Largest length of a line",
                           .unit = "length",
                           .from_data = "five diagonals, without `duration`",
                           .range = positive()}),
-      option<&O::interval>({.text = "Between particles of a streak, or between time lines",
+      option<&O::interval>({.text = "Time between particles of a streak, or between time lines",
                             .unit = "duration",
-                            .from_data = "a hundredth, a tenth of the time",
+                            .from_data = "a hundredth or a tenth of the duration",
                             .range = positive()}),
       option_group<&O::trace>(TraceOptions::schema().rows)};
   static const OptionSchema schema{rows};
@@ -245,7 +245,7 @@ const OptionSchema& FlowLineOptions::schema() {
 void FlowLineOptions::validate() const {
   validate_options(*this);
   check_argument(kind == FlowLineKind::path || direction != FlowDirection::both,
-                 "`direction = both` is for path lines: streak and time lines go one way");
+                 "`direction = both` is for path lines: streak and time lines have one direction");
   check_argument(!length || kind == FlowLineKind::path, "`length` is for path lines");
   check_argument(!interval || kind != FlowLineKind::path, "`interval` is for streak and time lines");
 }
@@ -259,8 +259,8 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
 
   progress.begin("along lines");
   std::vector<float> speed(n), velocity(3 * n), vorticity(3 * n);
-  // A block after the other: derivatives of all points at a time would be most of the memory. But of a flow in time at
-  // once, so that each of its steps is read once.
+  // In blocks, because the derivatives of all points would take most of the memory; a flow in time in one block, so
+  // that each of its time steps is read once.
   const std::size_t block = field.moments().empty() ? kBlock : n;
   std::vector<Vec3> velocities;
   std::vector<std::uint8_t> inside;
@@ -322,9 +322,9 @@ ReportCounts counted_ends(const FlowLineReport& report) {
 
 constexpr ReportRow kFlowLineReportRows[] = {
     reported<&FlowLineReport::seeds>({.name = "seeds.count", .text = "Seeds"}),
-    reported<&FlowLineReport::outside>({.name = "seeds.outside", .text = "Seeds out of the flow"}),
+    reported<&FlowLineReport::outside>({.name = "seeds.outside", .text = "Seeds outside the flow"}),
     reported<[](const FlowLineReport& r) { return counted_ends(r); }>(
-        {.name = "ends", .text = "Reasons for which lines ended"}),
+        {.name = "ends", .text = "Numbers of lines by reason of their end"}),
     reported<&FlowLineReport::longest>(
         {.name = "output.longest", .text = "Length of the longest line", .unit = "length"})};
 

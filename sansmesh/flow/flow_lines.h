@@ -1,4 +1,4 @@
-// Lines of a flow with all that is told along them: stream, path, streak and time lines.
+// Stream, path, streak and time lines of a flow, with attributes.
 #pragma once
 
 #include <span>
@@ -11,11 +11,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// The lines, in coordinates of the field. Attributes of points: `time` (double; of streaks when the
-/// particle left), `speed` (float), `velocity` and
-/// `vorticity` (three floats each); of lines: `seed` (number of the seed; of time lines that of the moment), `length`
-/// (float) and of path lines `end` (a TraceEnd). Throws ArgumentError for bad options, DataError where no seed lies in
-/// the flow or nothing moves.
+/// The lines, in coordinates of the field. Attributes of points: `time` (double; for streaks the time of release),
+/// `speed` (float), `velocity` and `vorticity` (three floats each); of lines: `seed` (index of the seed; for time lines
+/// of the moment), `length` (float) and for path lines `end` (a TraceEnd). Throws ArgumentError for bad options,
+/// DataError if no seed is in the flow or nothing moves.
 PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options,
                        Progress& progress, FlowLineReport* report = nullptr);
 

@@ -19,25 +19,25 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kUsualSeeds = 256;
-constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
+constexpr double kMostDiagonals = 5;  // default length of a surface without another end
 
 bool is_nothing_beside(double start, double duration) { return start + duration == start || start - duration == start; }
 
 [[noreturn]] void throw_that_moments_meet(double start, double duration) {
   if (is_nothing_beside(start, duration))
-    throw ArgumentError(fmt::format("`duration` ({:g}) is nothing beside `start` ({:g})", duration, start));
+    throw ArgumentError(
+        fmt::format("`duration` ({:g}) is too short for the magnitude of `start` ({:g})", duration, start));
   throw ArgumentError(
       std::isfinite(duration)
           ? fmt::format(
-                "`duration` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
+                "`duration` ({:g}) is so short for the magnitude of `start` ({:g}) that moments of fronts coincide",
                 duration, start)
-          : fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same number",
-                        start));
+          : fmt::format("`start` ({:g}) is so large that the moments of a surface coincide", start));
 }
 
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
 
-/// A flow that stays as it was at a moment.
+/// A flow frozen at one moment.
 class FlowAtOneMoment final : public VectorField {
  public:
   FlowAtOneMoment(const VectorField& field, double moment) : field_(field), moment_(moment) {}
@@ -52,7 +52,7 @@ class FlowAtOneMoment final : public VectorField {
   double moment_;
 };
 
-/// Leaves out points without a triangle; those without a normal get one from their triangles, weighted by area.
+/// Removes points without a triangle; missing normals are computed from the triangles, weighted by area.
 void tidy_sheet(FlowSheet& sheet) {
   std::vector<std::uint32_t> number(sheet.points.size(), 0);
   std::vector<Vec3> normals(sheet.points.size());
@@ -98,7 +98,7 @@ TriangleMesh mesh_of(const FlowSheet& sheet) {
   return mesh;
 }
 
-/// A vertex, and a point, for each of the fans of triangles that meet in one.
+/// Duplicates vertices and points shared by several fans of triangles.
 void separate_fans_of(FlowSurface& surface) {
   std::vector<std::uint32_t> number(surface.points.size());
   std::iota(number.begin(), number.end(), 0u);
@@ -145,22 +145,22 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     const double left = options.direction == FlowDirection::both ? std::max(later, earlier)
                         : backward                               ? earlier
                                                                  : later;
-    if (!(left > 0)) throw DataError("the flow is known at no other moment than `start`: only stream surfaces are");
+    if (!(left > 0)) throw DataError("the flow has no moment beside `start`: only stream surfaces are possible");
     duration = std::min(duration, left);
     if (is_released(kind) && !std::isfinite(duration))
-      throw ArgumentError("`duration` of streak and time surfaces is needed");
+      throw ArgumentError("streak and time surfaces need a `duration`");
     if (!is_released(kind)) end_somewhere();
     sheet = is_released(kind) ? released_sheet(field, curve, known, progress)
                               : advance_fronts(field, curve, known, progress);
   }
   if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(kind)))
     throw_that_moments_meet(*known.start, duration);
-  if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
+  if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or separate at once");
   tidy_sheet(sheet);
   surface.report = sheet.report;
   surface.mesh = mesh_of(sheet);
   surface.points = std::move(sheet.points);
-  // Only sheets that were cut, and fronts that tear differently in both directions, have such vertices.
+  // Only torn sheets, and fronts that tear differently in both directions, have such vertices.
   if (is_released(kind) || options.direction == FlowDirection::both) separate_fans_of(surface);
   return surface;
 }

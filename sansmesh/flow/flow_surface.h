@@ -1,5 +1,5 @@
-// Surfaces of a flow from a seed curve (METHODS §5.2): stream and path surfaces by fronts of particles that advance,
-// streak and time surfaces by a sheet of particles that is refined.
+// Surfaces that flow from a seed curve (tejada2008, 5.3): stream and path surfaces by advancing fronts of particles,
+// streak and time surfaces by an adaptively refined sheet of particles.
 #pragma once
 
 #include "sansmesh/flow/seed_curve.h"
@@ -9,8 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// The same bytes for any number of threads. Throws ArgumentError for bad options or a bad curve, DataError where no
-/// part of the curve lies in the field, or the flow stands still on all of it.
+/// Byte-identical for any number of threads. Throws ArgumentError for bad options or a bad curve, DataError if no part
+/// of the curve is in the field, or the flow is at rest on all of it.
 FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
                          Progress& progress);
 

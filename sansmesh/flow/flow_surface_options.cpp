@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kSurfaceKinds[] = {"stream", "path", "streak", "time"};
 
-/// New particles start half-way between others, as a flag.
+/// FlowInsertion::interpolated as a flag.
 struct InterpolatedFlag {
   static constexpr auto kind = OptionKind::flag;
   static OptionValue get(FlowInsertion v) { return v == FlowInsertion::interpolated; }
@@ -24,37 +24,37 @@ struct InterpolatedFlag {
 const OptionSchema& FlowSurfaceOptions::schema() {
   using O = FlowSurfaceOptions;
   static const OptionRow rows[] = {
-      option<&O::kind>({.text = "stream, path (where particles go), streak (a curtain of smoke) or time (a cloth that "
-                                "drifts, see `sweep`)",
-                        .from_data = "stream, of a flow that changes path",
+      option<&O::kind>({.text = "stream or path (swept by particles), streak (a curtain of smoke) or time (a drifting "
+                                "sheet, see `sweep`)",
+                        .from_data = "stream; path for an unsteady flow",
                         .choices = kSurfaceKinds}),
       option<&O::direction>(kDirectionFacts),
       option<&O::start>(kStartFacts),
       option<&O::duration>(kDurationFacts),
-      option<&O::length>({.text = "How far, of stream and path surfaces",
+      option<&O::length>({.text = "Length of stream and path surfaces",
                           .unit = "length",
-                          .from_data = "five diagonals, without `duration` and where the flow has no end",
+                          .from_data = "five diagonals, without `duration` and an end of the flow",
                           .range = positive()}),
-      option<&O::seeds>({.text = "On the seed curve, evenly",
+      option<&O::seeds>({.text = "Number of particles, evenly on the seed curve",
                          .from_data = "the number of seeds; 256",
                          .range = at_least(2),
                          .name = "particles"}),
-      option<&O::sweep>({.text = "Of time surfaces: the seeds are the curve moved by 0..1 of this"}),
-      option<&O::alpha>({.text = "Gaps wider than this times those of the seeds get a particle, or tear",
+      option<&O::sweep>({.text = "Time surfaces: displacement from the first to the last copy of the seed curve"}),
+      option<&O::alpha>({.text = "Gaps wider than this times the seeds' distance receive a particle, or tear",
                          .unit = "ratio",
                          .range = {.least = 1, .above = true}}),
       option<&O::beta>(
-          {.text = "They tear where they grow by this times a particle's step", .unit = "ratio", .range = positive()}),
-      option<&O::delta>({.text = "Particles nearer than this times the gaps of the seeds may go",
+          {.text = "Gaps tear where they grow by this times a particle's step", .unit = "ratio", .range = positive()}),
+      option<&O::delta>({.text = "Particles nearer than this times the seeds' distance may be removed",
                          .unit = "ratio",
                          .range = {.least = 0, .most = 1, .below = true}}),
       option<&O::insertion, InterpolatedFlag>(
-          {.text = "New particles start half-way between others, as in the source, not on the seed curve",
+          {.text = "Insert particles half-way between others, as in the source, not on the seed curve",
            .name = "interpolated"}),
       option<&O::front_step>(
           {.text = "Time between fronts", .unit = "duration", .from_data = "from the speed", .range = positive()}),
-      option<&O::most_fronts>({.text = "In each direction", .range = at_least(1)}),
-      option<&O::most_points>({.text = "The surface ends with the front that reaches so many", .range = at_least(2)}),
+      option<&O::most_fronts>({.text = "Largest number of fronts in each direction", .range = at_least(1)}),
+      option<&O::most_points>({.text = "Number of points with which the surface ends", .range = at_least(2)}),
       option_group<&O::trace>(TraceOptions::schema().rows)};
   static const OptionSchema schema{rows};
   return schema;
@@ -73,13 +73,13 @@ void FlowSurfaceOptions::validate() const {
 namespace {
 
 constexpr ReportRow kFlowSurfaceReportRows[] = {
-    reported<&FlowSurfaceReport::particles>({.text = "Particles that were followed, seeds included"}),
-    reported<&FlowSurfaceReport::inserted>({.text = "Particles that were put between others"}),
-    reported<&FlowSurfaceReport::removed>({.text = "Particles that were left out between others"}),
-    reported<&FlowSurfaceReport::tears>({.text = "Pairs of neighbours that were parted"}),
+    reported<&FlowSurfaceReport::particles>({.text = "Particles followed, seeds included"}),
+    reported<&FlowSurfaceReport::inserted>({.text = "Particles inserted between others"}),
+    reported<&FlowSurfaceReport::removed>({.text = "Particles removed between others"}),
+    reported<&FlowSurfaceReport::tears>({.text = "Separated pairs of neighbours"}),
     reported<&FlowSurfaceReport::fronts>({.text = "Fronts"}),
-    reported<&FlowSurfaceReport::spacing>({.text = "Distance of the particles at the seeds", .unit = "length"}),
-    reported<&FlowSurfaceReport::complete>({.text = "Whether nothing ended it before its end"})};
+    reported<&FlowSurfaceReport::spacing>({.text = "Distance of the particles on the seed curve", .unit = "length"}),
+    reported<&FlowSurfaceReport::complete>({.text = "Whether no limit ended it early"})};
 
 }  // namespace
 

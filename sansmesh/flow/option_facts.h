@@ -1,4 +1,4 @@
-// Facts of the options that lines and surfaces of flows share.
+// Descriptions of options shared by flow lines and flow surfaces.
 #pragma once
 
 #include <string_view>
@@ -12,8 +12,8 @@ inline constexpr std::string_view kFlowDirections[] = {"forward", "backward", "b
 
 inline constexpr OptionFacts kDirectionFacts{.text = "forward, backward or both", .choices = kFlowDirections};
 inline constexpr OptionFacts kStartFacts{
-    .text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"};
-inline constexpr OptionFacts kDurationFacts{.text = "How long they are followed",
+    .text = "Moment of release", .unit = "time", .from_data = "the first of the flow"};
+inline constexpr OptionFacts kDurationFacts{.text = "Duration of tracing",
                                             .unit = "duration",
                                             .from_data = "to the end of the flow",
                                             .range = positive(),

@@ -8,23 +8,20 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNothing = ~std::uint32_t{0};
-/// Edges that end in a particle that does not arrive, or cross where there is no flow, are halved until they span this
-/// part of what they did at the beginning.
+/// Edges with a particle that does not arrive, or across a region without flow, are halved down to this fraction of
+/// their initial extent.
 constexpr double kLeastPartAtRim = 1.0 / 8;
-/// Rows are at least so many of the steps between numbers apart, or some would be released at the same moment.
+/// Least distance of rows in units of the rounding of moments; closer rows would be released at the same moment.
 constexpr double kLeastSpacing = 4;
-
-/// An unordered pair of nodes.
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-}
 
 class ReleasedSheet {
  public:
@@ -61,18 +58,18 @@ class ReleasedSheet {
   }
 
  private:
-  /// Rows are by age, or by how far the curve was swept.
+  /// Rows are parametrised by age, or by the swept fraction of the curve.
   double released(double row) const {
     return row == row_extent_ ? *options_.start : end_ + (trace_.backward ? row : -row);
   }
 
-  /// The step between numbers where the moments are largest.
+  /// Spacing of floating-point numbers at the largest moment.
   double rounding_of_moments() const {
     const double largest = std::max(std::abs(*options_.start), std::abs(end_));
     return std::nextafter(largest, std::numeric_limits<double>::infinity()) - largest;
   }
 
-  /// The particles with these s and rows, followed to the end.
+  /// Traces the particles with these s and rows to the end.
   void follow(std::span<const double> s, std::span<const double> rows) {
     std::vector<Vec3> seeds = curve_.at(s);
     std::vector<double> moments(s.size(), *options_.start);
@@ -92,7 +89,7 @@ class ReleasedSheet {
     append(particles_.ends, p.ends);
   }
 
-  /// Rows of as many particles as there are seeds.
+  /// Creates rows of as many particles as there are seeds.
   void lay() {
     const std::size_t n = *options_.seeds;
     std::vector<double> line(n);
@@ -104,7 +101,7 @@ class ReleasedSheet {
       std::vector<double> speeds;
       for (std::size_t i = 0; i < n; ++i)
         if (!p.ends[i]) speeds.push_back(norm(p.velocities[i]));
-      if (speeds.empty()) throw DataError("no part of the seed curve lies in the flow");
+      if (speeds.empty()) throw DataError("no part of the seed curve is in the flow");
       step = options_.front_step ? *options_.front_step : front_time(std::move(speeds), spacing_);
     }
     if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `particles`");
@@ -123,7 +120,7 @@ class ReleasedSheet {
       for (std::size_t i = 0; i + (curve_.closed ? 0 : 1) < n; ++i) {
         const auto a = static_cast<std::uint32_t>(k * n + i), b = static_cast<std::uint32_t>(k * n + (i + 1) % n);
         const auto up = static_cast<std::uint32_t>(n);
-        // Against the flow, as all triangles backward: rows by age go that way.
+        // Reversed, like all triangles backward: rows by age run against the flow.
         const bool shorter = distance(b, a + up) <= distance(a, b + up);
         add(shorter ? Triangle{a, b, a + up} : Triangle{a, b, b + up});
         add(shorter ? Triangle{b, b + up, a + up} : Triangle{a, b + up, a + up});
@@ -140,67 +137,91 @@ class ReleasedSheet {
   }
   bool arrived(std::uint32_t i) const { return !particles_.ends[i]; }
 
-  /// From a to b along the seed curve, the shorter way round.
+  /// From a to b along the seed curve, the shorter way around.
   double along(std::uint32_t a, std::uint32_t b) const {
     const double d = s_[b] - s_[a];
     return !curve_.closed || std::abs(d) <= 0.5 * length_ ? d : d - std::copysign(length_, d);
   }
 
-  /// Halves the edges of the active triangles that need it; those that do not are done. False: no room for more.
-  bool refine() {
-    std::vector<std::uint64_t> edges;
+  /// Edges of the active triangles.
+  struct Edges {
+    std::vector<std::uint64_t> keys;   ///< ascending
+    std::vector<std::uint8_t> inside;  ///< the midpoint is in the flow
+    std::vector<std::uint8_t> halve;
+    std::vector<std::uint8_t> bad;  ///< too wide, or across a region without flow
+    bool rims = false;              ///< edges at rims are halved
+
+    std::size_t size() const { return keys.size(); }
+    std::pair<std::uint32_t, std::uint32_t> ends(std::size_t e) const {
+      return {smaller_end(keys[e]), larger_end(keys[e])};
+    }
+    /// The edge of these nodes; size() if there is none.
+    std::size_t find(std::uint32_t a, std::uint32_t b) const {
+      const auto found = std::lower_bound(keys.begin(), keys.end(), edge_key(a, b));
+      return found != keys.end() && *found == edge_key(a, b) ? static_cast<std::size_t>(found - keys.begin()) : size();
+    }
+  };
+
+  // Extent of an edge, over the distance of seeds and over that of rows.
+  double part_s(std::uint32_t a, std::uint32_t b) const { return std::abs(along(a, b)) / spacing_; }
+  double part_row(std::uint32_t a, std::uint32_t b) const { return std::abs(row_[a] - row_[b]) / row_spacing_; }
+
+  /// Finds the edges, and those to be halved.
+  Edges judge_edges() const {
+    Edges edges;
     for (const Triangle& t : active_)
-      for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+      for (std::size_t k = 0; k < 3; ++k) edges.keys.push_back(edge_key(t[k], t[(k + 1) % 3]));
+    std::sort(edges.keys.begin(), edges.keys.end());
+    edges.keys.erase(std::unique(edges.keys.begin(), edges.keys.end()), edges.keys.end());
     const std::size_t n = edges.size();
-    const auto ends = [&](std::size_t e) {
-      return std::pair{static_cast<std::uint32_t>(edges[e] >> 32), static_cast<std::uint32_t>(edges[e])};
-    };
-    // What is in the middle of each.
     std::vector<Vec3> places(n), vectors(n);
-    std::vector<std::uint8_t> inside(n);
-    for (std::size_t e = 0; e < n; ++e)
-      places[e] = (particles_.positions[ends(e).first] + particles_.positions[ends(e).second]) * 0.5;
-    field_.evaluate(places, std::vector<double>(n, end_), vectors, inside);
-    // What they span of the distance between seeds, and of that between rows.
-    const auto part_s = [&](std::size_t e) { return std::abs(along(ends(e).first, ends(e).second)) / spacing_; };
-    const auto part_row = [&](std::size_t e) {
-      return std::abs(row_[ends(e).first] - row_[ends(e).second]) / row_spacing_;
-    };
-    const auto number_of = [&](std::uint32_t a, std::uint32_t b) {
-      const auto found = std::lower_bound(edges.begin(), edges.end(), edge_key(a, b));
-      return found != edges.end() && *found == edge_key(a, b) ? static_cast<std::size_t>(found - edges.begin()) : n;
-    };
-    std::vector<std::uint8_t> halve(n, 0), bad(n, 0);
+    edges.inside.resize(n), edges.halve.resize(n), edges.bad.resize(n);
     for (std::size_t e = 0; e < n; ++e) {
-      const auto [a, b] = ends(e);
+      const auto [a, b] = edges.ends(e);
+      places[e] = (particles_.positions[a] + particles_.positions[b]) * 0.5;
+    }
+    field_.evaluate(places, std::vector<double>(n, end_), vectors, edges.inside);
+    for (std::size_t e = 0; e < n; ++e) {
+      const auto [a, b] = edges.ends(e);
       if (!arrived(a) || !arrived(b)) continue;
       const bool wide = distance(a, b) > options_.alpha * spacing_;
-      bad[e] = wide || inside[e] == 0;
-      // Where the first is no more than the error of the integration all between them is noise, however far apart they
-      // were released.
-      halve[e] = wide && inside[e] != 0 && (part_s(e) > 0 ? part_s(e) : part_row(e)) > least_part_;
+      edges.bad[e] = wide || edges.inside[e] == 0;
+      // Below the integration error all particles between are noise, even if released far apart in time.
+      const double part = part_s(a, b) > 0 ? part_s(a, b) : part_row(a, b);
+      edges.halve[e] = wide && edges.inside[e] != 0 && part > least_part_;
     }
-    // At rims all edges of a triangle are halved: with others left as they are some would never become short.
-    bool rims = false;
+    halve_rims(edges);
+    return edges;
+  }
+
+  /// At rims all edges of a triangle are halved; otherwise some would never become short.
+  void halve_rims(Edges& edges) const {
     for (const Triangle& t : active_) {
       const bool some = arrived(t[0]) || arrived(t[1]) || arrived(t[2]);
       bool rim = some && !(arrived(t[0]) && arrived(t[1]) && arrived(t[2]));
       std::array<std::size_t, 3> of{};
       for (std::size_t k = 0; k < 3; ++k) {
-        of[k] = number_of(t[k], t[(k + 1) % 3]);
-        rim = rim || (bad[of[k]] != 0 && inside[of[k]] == 0);
+        of[k] = edges.find(t[k], t[(k + 1) % 3]);
+        rim = rim || (edges.bad[of[k]] != 0 && edges.inside[of[k]] == 0);
       }
       if (!rim) continue;
-      for (const std::size_t e : of)
-        if (std::max(part_s(e), part_row(e)) > kLeastPartAtRim) halve[e] = 1, rims = true;
+      for (const std::size_t e : of) {
+        const auto [a, b] = edges.ends(e);
+        if (std::max(part_s(a, b), part_row(a, b)) > kLeastPartAtRim) edges.halve[e] = 1, edges.rims = true;
+      }
     }
+  }
+
+  /// Halves the edges of the active triangles that need it; triangles without such edges are done. Returns false if the
+  /// limit of points is reached.
+  bool refine() {
+    const Edges edges = judge_edges();
+    const std::size_t n = edges.size();
     std::vector<std::uint32_t> middle(n, kNothing);
     std::vector<double> s, row;
     for (std::size_t e = 0; e < n; ++e) {
-      if (halve[e] == 0) continue;
-      const auto [a, b] = ends(e);
+      if (edges.halve[e] == 0) continue;
+      const auto [a, b] = edges.ends(e);
       middle[e] = static_cast<std::uint32_t>(s_.size() + s.size());
       const double half = s_[a] + 0.5 * along(a, b);
       s.push_back(!curve_.closed ? half : half < 0 ? half + length_ : half >= length_ ? half - length_ : half);
@@ -215,23 +236,23 @@ class ReleasedSheet {
       sheet_.report.complete = false;
     }
     for (std::size_t e = 0; e < n; ++e)
-      if (bad[e] != 0 && middle[e] == kNothing) torn_.push_back(edges[e]);
+      if (edges.bad[e] != 0 && middle[e] == kNothing) torn_.push_back(edges.keys[e]);
     std::vector<Triangle> parts, done;
     const auto divide = [&](const Triangle& t) {
       std::array<std::uint32_t, 3> m{};
       bool whole = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t e = number_of(t[k], t[(k + 1) % 3]);
+        const std::size_t e = edges.find(t[k], t[(k + 1) % 3]);
         m[k] = e < n ? middle[e] : kNothing;
-        whole = whole && arrived(t[k]) && (e == n || bad[e] == 0);
+        whole = whole && arrived(t[k]) && (e == n || edges.bad[e] == 0);
       }
       if (m[0] != kNothing || m[1] != kNothing || m[2] != kNothing)
         cut(t, m, parts);
       else if (whole)
         done.push_back(t);
     };
-    // Those that were done share edges with those at rims.
-    if (rims && room) {
+    // Finished triangles share edges with those at rims.
+    if (edges.rims && room) {
       for (const Triangle& t : sheet_.triangles) divide(t);
       sheet_.triangles.clear();
     }
@@ -241,14 +262,14 @@ class ReleasedSheet {
     return room;
   }
 
-  /// Parts of a triangle; m[k] is in the middle of the edge from corner k to the next, if anything.
+  /// Subdivides a triangle; m[k] is the midpoint of the edge from corner k to the next, if any.
   void cut(const Triangle& t, const std::array<std::uint32_t, 3>& m, std::vector<Triangle>& parts) const {
     const auto number = std::count_if(m.begin(), m.end(), [](std::uint32_t i) { return i != kNothing; });
     if (number == 3) {
       parts.insert(parts.end(), {{t[0], m[0], m[2]}, {m[0], t[1], m[1]}, {m[2], m[1], t[2]}, {m[0], m[1], m[2]}});
       return;
     }
-    // With one the first edge has it, with two the last has none.
+    // With one midpoint the first edge has it, with two the last edge has none.
     std::size_t k = 0;
     while (m[k] == kNothing || (number == 2 && m[(k + 1) % 3] == kNothing)) ++k;
     const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3], ab = m[k], bc = m[(k + 1) % 3];
@@ -267,7 +288,7 @@ class ReleasedSheet {
   TraceOptions trace_;
   bool streak_ = false;
   double length_ = 0, spacing_ = 0, end_ = 0, row_extent_ = 0, row_spacing_ = 0, least_part_ = 0;
-  std::vector<double> s_, row_;  // of the particles
+  std::vector<double> s_, row_;  // per particle
   Particles particles_;          // positions, velocities and ends
   std::vector<Triangle> active_;
   std::vector<std::uint64_t> torn_;  // edges

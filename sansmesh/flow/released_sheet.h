@@ -1,13 +1,14 @@
-// Streak and time surfaces: a sheet of particles that is refined until none is far from its neighbours.
+// Streak and time surfaces by an adaptively refined sheet of particles.
 #pragma once
 
-#include "sansmesh/flow/flow_fronts.h"
+#include "sansmesh/flow/flow_sheet.h"
+#include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
 
-/// Points and triangles where the particles are at the end; vertices at which several fans of triangles meet are left
-/// in. The options have been checked and have a `start` and a finite `duration`, which lies in the times of the field.
+/// Points and triangles at the particles' final positions; vertices shared by several fans of triangles are not
+/// separated. The options are valid and have a `start` and a finite `duration` within the times of the field.
 FlowSheet released_sheet(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
                          Progress& progress);
 

@@ -1,4 +1,4 @@
-// Steps of one length: Euler's, and the classical ones of Runge and Kutta.
+// Integrators of constant step length: Euler's and the classical Runge–Kutta method.
 #include "sansmesh/flow/flow_integrator.h"
 
 namespace sansmesh::inline v1 {
@@ -20,8 +20,8 @@ void runge_kutta_step(ParticleStep& step) {
 }
 
 constexpr FlowIntegrator kRungeKutta[] = {
-    {.name = "euler", .summary = "first order, the source's", .step = euler_step, .order = 1},
-    {.name = "rk4", .summary = "Runge and Kutta's, fourth order", .step = runge_kutta_step, .order = 4}};
+    {.name = "euler", .summary = "first order, as in the source", .step = euler_step, .order = 1},
+    {.name = "rk4", .summary = "classical Runge-Kutta, fourth order", .step = runge_kutta_step, .order = 4}};
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Length up to each point; of a closed curve also that of all of it.
+/// Arc length up to each point; for a closed curve also the total length.
 std::vector<double> arc_lengths(const SeedCurve& curve) {
   const std::size_t n = curve.points.size();
   std::vector<double> lengths{0};

@@ -1,4 +1,4 @@
-// Curves that particles start on: polylines by arc length.
+// Seed curves: polylines parametrised by arc length.
 #pragma once
 
 #include <span>
@@ -9,15 +9,15 @@
 namespace sansmesh::inline v1 {
 
 struct SeedCurve {
-  std::vector<Vec3> points;  ///< at least two, of a closed curve three; straight between them
-  bool closed = false;       ///< from the last point back to the first
+  std::vector<Vec3> points;  ///< at least two, for a closed curve three; straight between them
+  bool closed = false;       ///< connects the last point to the first
 
   double length() const;
-  /// The place at the length s from the first point; s is kept within 0..length(), or wrapped around a closed curve.
+  /// The point at arc length s from the first point; s is clamped to 0..length(), or wrapped on a closed curve.
   Vec3 at(double s) const;
-  /// Those at many lengths, in time logarithmic in the number of points.
+  /// Points at several arc lengths, in time logarithmic in the number of points.
   std::vector<Vec3> at(std::span<const double> s) const;
-  /// Throws ArgumentError unless there are enough points, all finite, with a length.
+  /// Throws ArgumentError unless there are enough points, all finite, and a positive length.
   void validate() const;
 };
 

@@ -31,7 +31,7 @@ std::vector<double> numbers_of(std::string_view text, std::string_view inside, s
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-      fail(text, "\"" + std::string(word) + "\" is no number; the form is " + form);
+      fail(text, "\"" + std::string(word) + "\" is not a number; the form is " + form);
     numbers.push_back(value);
     inside = comma == std::string_view::npos ? std::string_view() : inside.substr(comma + 1);
   }
@@ -42,13 +42,13 @@ std::vector<double> numbers_of(std::string_view text, std::string_view inside, s
 
 std::size_t count_of(std::string_view text, double value, double least) {
   if (value != std::floor(value) || value < least || value > kMostSeeds)
-    fail(text, "the number of seeds must be whole, and " + std::to_string(static_cast<int>(least)) + " at least");
+    fail(text, "the number of seeds must be a whole number of at least " + std::to_string(static_cast<int>(least)));
   return static_cast<std::size_t>(value);
 }
 
 std::vector<Vec3> in_box(const Box3& box, std::size_t n) {
   const Vec3 size = box.size();
-  // Directions thinner than the step have one layer, and all seeds are for the others.
+  // Directions thinner than the step have one layer; the seeds are distributed over the others.
   bool thin[3] = {};
   double step = 0;
   for (int pass = 0; pass < 3; ++pass) {
@@ -126,7 +126,7 @@ Seeds one_shape(std::string_view text, const Box3& bounds) {
     seeds.points = in_box(bounds, count_of(text, v[0], 1));
   } else {
     fail(text, "\"" + std::string(name) +
-                   "\" is no shape: there are point, line, circle, plane, box, points, curve, loop and mesh");
+                   "\" is not a shape; known are point, line, circle, plane, box, points, curve, loop and mesh");
   }
   return seeds;
 }
@@ -145,7 +145,7 @@ Seeds parse_seeds(std::string_view text, const Box3& bounds) {
     if (++parts == 1) {
       all = std::move(one);
     } else {
-      if (!one.file.empty() || !all.file.empty()) fail(text, "files stand alone");
+      if (!one.file.empty() || !all.file.empty()) fail(text, "a file cannot be combined with other seeds");
       all.points.insert(all.points.end(), one.points.begin(), one.points.end());
       all.curve = all.closed = false;
     }

@@ -21,30 +21,30 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kTolerance = 1e-5;  // of the diagonal
-/// Steps that leave the field are halved until they are shorter than this, of the diagonal: then that is its boundary.
+constexpr double kTolerance = 1e-5;  // over the diagonal
+/// Steps that leave the field are halved until they are shorter than this, over the diagonal: the boundary is reached.
 constexpr double kAtBoundary = 1e-7;
-/// Those after one that left go so much of the straight way to the side of the field's box.
+/// Steps after one that left cover this fraction of the straight distance to the side of the field's box.
 constexpr double kNearlyOut = 0.98;
-/// The next step by the tolerance: what the error allows, a little less, and no sudden changes.
+/// Step size control: safety factor and limits of the change.
 constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
-/// Lines have points between the ends of steps, so that they turn by no more than this from one to the next (radians),
-/// and are no farther from their chords than this, of the diagonal; so many parts of a step at most. A point as near as
-/// that to the one before the last replaces the last.
+/// Lines have points between the ends of steps, so that they turn by at most kTurn radians per point and deviate from
+/// their chords by at most kSag diagonals, with at most kMostPartsOfStep parts per step. A point closer than kSag to
+/// the last but one replaces the last.
 constexpr double kTurn = 0.2, kSag = 2e-4, kMostPartsOfStep = 64;
-/// After so many steps errors may have summed up to as many tolerances: a particle that is still within this many of
-/// them of where it was circles about a critical point that it cannot get nearer to.
+/// After kCircling steps, errors may add up to as many tolerances: a particle still within kCircle tolerances of its
+/// earlier position circles about a critical point that it cannot approach further.
 constexpr std::uint32_t kCircling = 64;
 constexpr double kCircle = 32;
-/// Particles that a thread moves together: many enough for what a batch costs.
+/// Particles per thread batch; amortises its overhead.
 constexpr std::size_t kTogether = 128;
 
-/// The step of a particle: the ends, and what lies between them.
+/// A particle's step: its ends and the path between them.
 struct Step {
   std::uint32_t particle;
   double from, to;                  // moments
-  Vec3 start, end, velocity, last;  // places, and the field at both
-  Vec3 bulge;                       // of the term of highest order; zero where there is none
+  Vec3 start, end, velocity, last;  // positions and field at both ends
+  Vec3 bulge;                       // term of highest order; zero if there is none
   Vec3 at(double share) const {
     const double h = to - from, rest = 1 - share;
     const Vec3 d = end - start, b = velocity * h - d;
@@ -52,19 +52,19 @@ struct Step {
   }
 };
 
-/// Where a particle was some steps ago, and how many.
+/// A particle's position some steps ago, and the number of steps.
 struct Anchor {
   Vec3 place;
   std::uint32_t steps = 0;
 };
 
-/// How far particles may go. Entries are those of the particles.
+/// Limits of particles. Entries are per particle.
 struct Limits {
   std::span<const double> until;   // moments
-  std::span<const double> length;  // that is left to each, if not empty
-  std::span<std::uint32_t> tries;  // made so far
-  std::span<double> gone;          // moments by which they had left the field; infinite where that is not known
-  std::span<Anchor> anchors;       // if not empty those that circle have arrived
+  std::span<const double> length;  // remaining length, if not empty
+  std::span<std::uint32_t> tries;  // attempted steps
+  std::span<double> gone;          // moments by which they had left the field; infinite if unknown
+  std::span<Anchor> anchors;       // if not empty, circling particles count as arrived
 };
 
 class Stepper {
@@ -80,8 +80,8 @@ class Stepper {
     times_ = field.times();
   }
 
-  /// One step, or a shorter try, of each of the particles that move; those that came to an end leave `active`. `made`
-  /// hears of every step, in the order of the particles.
+  /// Attempts one step of each moving particle; particles that end leave `active`. `made` is called for every completed
+  /// step, in the order of the particles.
   void round(Particles& p, std::vector<std::uint32_t>& active, const Limits& limits,
              const std::function<void(const Step&)>& made) {
     ends_.assign(active.size(), {});
@@ -98,7 +98,7 @@ class Stepper {
     return options_.backward ? std::max(t, times_.first) : std::min(t, times_.last);
   }
 
-  /// The next step in time, or the end.
+  /// Chooses the next step in time, or ends the particle.
   void prepare(Particles& p, std::uint32_t i, const Limits& limits, std::size_t a) {
     const double last = until(limits, i), left = direction_ * (last - p.times[i]);
     const double speed = norm(p.velocities[i]);
@@ -127,14 +127,14 @@ class Stepper {
       const double out = time_to_side(p.positions[i], p.velocities[i] * direction_);
       h = std::min(h, std::max(out < ahead ? kNearlyOut * out : 0.5 * ahead, 0.5 * boundary_ / speed));
     }
-    // No sliver of a step at the end.
+    // Avoids a tiny last step.
     const bool arrives = h >= left;
     if (!arrives && h > 0.5 * left) h = 0.5 * left;
     h_[a] = direction_ * (arrives ? left : h);
     to_[a] = arrives ? last : p.times[i] + h_[a];
   }
 
-  /// Until a particle leaves the box of the field, if it goes straight on.
+  /// Time until a particle leaves the box of the field on a straight line.
   double time_to_side(const Vec3& x, const Vec3& velocity) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k)
@@ -162,7 +162,7 @@ class Stepper {
     }
   }
 
-  /// Whether a particle that is at x now has come no farther for long.
+  /// Whether a particle at x has made no progress for long.
   bool circles(const Vec3& x, Anchor& anchor) const {
     const double near = std::min(kCircle * tolerance_, 0.25 * kCircling * reach_);
     if (squared_norm(x - anchor.place) > near * near) anchor = {x, 0};
@@ -177,7 +177,7 @@ class Stepper {
       const std::uint32_t i = active[a];
       const double h = std::abs(h_[a]);
       if (step_.has_left(a)) {
-        // The next try goes half as far, until the boundary is as near as it can be told.
+        // Halve the next attempt until the boundary is resolved.
         if (h * norm(p.velocities[i]) < boundary_)
           p.ends[i] = TraceEnd::boundary;
         else
@@ -195,7 +195,7 @@ class Stepper {
       }
       const Step step{
           i, p.times[i], to_[a], p.positions[i], step_.end(a), p.velocities[i], step_.last_velocity(a), step_.bulge(a)};
-      // Away from the boundary again.
+      // Away from the boundary: lengthen steps again.
       if (!integrator_.adaptive && p.steps[i] > 0) p.steps[i] = 2 * h;
       p.positions[i] = step.end, p.times[i] = step.to, p.velocities[i] = step.last;
       made(step);
@@ -217,7 +217,7 @@ class Stepper {
   std::vector<double> h_, to_;
 };
 
-/// The first of the moments beyond `t`; infinitely far where there is none.
+/// The first of the moments after `t`; infinite if there is none.
 double moment_beyond(std::span<const double> moments, double t, bool backward) {
   if (backward) {
     const auto found = std::lower_bound(moments.begin(), moments.end(), t);
@@ -227,19 +227,19 @@ double moment_beyond(std::span<const double> moments, double t, bool backward) {
   return found == moments.end() ? std::numeric_limits<double>::infinity() : *found;
 }
 
-/// Into how many parts a step of a line is cut.
+/// Number of parts into which a step of a line is divided.
 int parts_of(const Step& step, double sag) {
   const Vec3 chord = step.end - step.start, middle = step.at(0.5);
-  // The angles between its ways at the start, over both halves, and at the end, as chords of the unit circle.
+  // The angles between its directions at the start, over both halves, and at the end, as chords of the unit circle.
   const std::array<Vec3, 4> ways{normalized(step.velocity), normalized(middle - step.start),
                                  normalized(step.end - middle), normalized(step.last)};
-  const double sign = step.to < step.from ? -1 : 1;  // velocities point against steps backward
+  const double sign = step.to < step.from ? -1 : 1;  // backward, velocities are opposite to steps
   const double turn = norm(ways[1] - ways[0] * sign) + norm(ways[2] - ways[1]) + norm(ways[3] * sign - ways[2]);
   const double parts = std::max(turn / kTurn, std::sqrt(norm(chord) * turn / (8 * sag)));
   return index_in<int>(std::ceil(parts), 1, kMostPartsOfStep);
 }
 
-/// What goes with the particles that are followed; see Limits.
+/// Data of traced particles; see Limits.
 struct Followed {
   std::vector<double> until, length;
   std::vector<std::uint32_t> tries;
@@ -247,9 +247,9 @@ struct Followed {
   std::vector<Anchor> anchors;
 };
 
-/// Moves the particles that have not ended until each is at its moment `until` or ended; none that is at its moment
-/// already ends by that. Between the moments of the field all go together, so that it is asked for few of its steps at
-/// a time. `made` is called from several threads, for each particle from one.
+/// Moves particles until each has ended or reached its moment `until`; those already there do not count as ended.
+/// Between moments of the field all move together, so that few of its time steps are needed at a time. `made` is called
+/// from several threads, for each particle from one.
 void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> active, Followed& with,
             const TraceOptions& options, const std::function<void(const Step&)>& made, Progress* progress) {
   const std::span<const double> moments = field.moments(), until = with.until;
@@ -294,7 +294,7 @@ void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> a
   }
 }
 
-/// "euler, rk4": those whose steps follow the tolerance, or the others.
+/// Names of the adaptive or of the other integrators: "euler, rk4".
 std::string integrators_that(bool adaptive) {
   std::string names;
   for (const FlowIntegrator* const one : FlowIntegrator::registry().all())
@@ -315,19 +315,21 @@ std::string reach_words() {
 const OptionSchema& TraceOptions::schema() {
   using O = TraceOptions;
   using Words = RegistryWords<FlowIntegrator>;
-  static const std::string integrators = "Steps of particles: " + registry_summaries<FlowIntegrator>(),
+  static const std::string integrators = "Integrator of particles: " + registry_summaries<FlowIntegrator>(),
                            reaches = reach_words(),
                            steps = "Of " + integrators_that(false) + ", and at most of " + integrators_that(true);
   static const OptionRow rows[] = {
       option<&O::integrator, Words>({.text = integrators, .choices = Words::names()}),
-      option<&O::tolerance>(
-          {.text = "Error of a step", .unit = "length", .from_data = "1e-5 of the diagonal", .range = positive()}),
+      option<&O::tolerance>({.text = "Accepted error of a step",
+                             .unit = "length",
+                             .from_data = "1e-5 of the diagonal",
+                             .range = positive()}),
       option<&O::step>(
           {.text = steps, .unit = "length", .from_data = reaches, .range = positive(), .name = "step_length"}),
-      option<&O::least_speed>({.text = "Slower ones have arrived; 0: of lines 1e-6 of the seeds' median",
+      option<&O::least_speed>({.text = "Speed below which particles end; 0: for lines 1e-6 of the seeds' median",
                                .unit = "speed",
                                .range = at_least(0)}),
-      option<&O::most_steps>({.text = "Of a particle", .range = at_least(1)})};
+      option<&O::most_steps>({.text = "Largest number of steps of a particle", .range = at_least(1)})};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -343,7 +345,7 @@ double trace_tolerance(const VectorField& field, const TraceOptions& options) {
 }
 
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments) {
-  if (seeds.size() != moments.size()) throw ArgumentError("as many moments as seeds are needed");
+  if (seeds.size() != moments.size()) throw ArgumentError("the numbers of moments and seeds must be equal");
   Particles p;
   p.positions.assign(seeds.begin(), seeds.end());
   p.times.assign(moments.begin(), moments.end());
@@ -392,7 +394,7 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   Followed with;
   with.until.resize(n);
   if (std::isfinite(options.length)) with.length.assign(n, options.length);
-  // Where a flow changes from moment to moment steps end there, however slow: they tell nothing.
+  // In unsteady flows steps end at each moment, even if the flow is slow, so they indicate nothing.
   if (options.least_speed > 0 && field.moments().empty()) with.anchors.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     with.until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
@@ -424,7 +426,7 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   traces.positions.reserve(points), traces.times.reserve(points), traces.velocities.reserve(points);
   traces.offsets.reserve(n + 1), traces.ends.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Line line = std::move(lines[i]);  // and then its memory is free
+    const Line line = std::move(lines[i]);  // frees its memory
     traces.positions.insert(traces.positions.end(), line.positions.begin(), line.positions.end());
     traces.times.insert(traces.times.end(), line.times.begin(), line.times.end());
     traces.velocities.insert(traces.velocities.end(), line.velocities.begin(), line.velocities.end());

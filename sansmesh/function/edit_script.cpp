@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "sansmesh/core/json_text-inl.h"
+#include "sansmesh/core/json_fields-inl.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -17,7 +17,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Fields = detail::JsonFields;
+using Json = detail::JsonValue;
 
 constexpr int kVersion = 1;
 
@@ -67,78 +68,25 @@ class TwiceGiven {
   std::string what_;
 };
 
-/// An object of the script; unknown fields are errors.
-class Fields {
- public:
-  Fields(const Json& json, std::string where, std::initializer_list<std::string_view> known)
-      : json_(json), where_(std::move(where)) {
-    if (!json.is_object()) fail("must be an object");
-    for (const auto& [key, value] : json.items())
-      if (std::find(known.begin(), known.end(), key) == known.end()) {
-        std::string all;
-        for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
-        fail(fmt::format("unknown field '{}'; known: {}", printable(key, 40), all));
-      }
-  }
-  [[noreturn]] void fail(const std::string& cause) const { throw ArgumentError(where_ + ": " + cause); }
-  bool has(const char* key) const { return json_.contains(key); }
-  const Json& operator[](const char* key) const { return json_.at(key); }
-
-  double number(const char* key) const {
-    const Json& v = at(key);
-    if (!v.is_number()) fail(fmt::format("'{}' must be a number", key));
-    return v.get<double>();
-  }
-  int integer(const char* key) const {
-    const Json& v = at(key);
-    if (!v.is_number_integer() || v.get<double>() < -1e9 || v.get<double>() > 1e9)
-      fail(fmt::format("'{}' must be a whole number", key));
-    return v.get<int>();
-  }
-  bool boolean(const char* key) const {
-    const Json& v = at(key);
-    if (!v.is_boolean()) fail(fmt::format("'{}' must be true or false", key));
-    return v.get<bool>();
-  }
-  Vec3 vector(const char* key) const {
-    const Json& v = at(key);
-    if (!v.is_array() || v.size() != 3 || !v[0].is_number() || !v[1].is_number() || !v[2].is_number())
-      fail(fmt::format("'{}' must be three numbers", key));
-    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
-  }
-  template <class T, class Get>
-  void get(const char* key, std::optional<T>& value, Get&& how) const {
-    if (has(key)) value = (this->*how)(key);
-  }
-
- private:
-  const Json& at(const char* key) const {
-    if (!has(key)) fail(fmt::format("'{}' is missing", key));
-    return json_.at(key);
-  }
-  const Json& json_;
-  std::string where_;
-};
-
 EditSelection selection_of(const Json& json, const std::string& where) {
   const Fields f(json, where,
                  {"ball", "box", "half_space", "coverage", "coverage_below", "error_above", "samples_below",
                   "level_from", "level_to", "sheet_at", "sheets"});
   EditSelection s;
   if (f.has("ball")) {
-    const Fields b(f["ball"], where + ".ball", {"center", "radius"});
+    const Fields b(f.at("ball"), where + ".ball", {"center", "radius"});
     s.ball = {b.vector("center"), b.number("radius")};
   }
   if (f.has("box")) {
-    const Fields b(f["box"], where + ".box", {"lower", "upper"});
+    const Fields b(f.at("box"), where + ".box", {"lower", "upper"});
     s.box = Box3{b.vector("lower"), b.vector("upper")};
   }
   if (f.has("half_space")) {
-    const Fields b(f["half_space"], where + ".half_space", {"point", "normal"});
+    const Fields b(f.at("half_space"), where + ".half_space", {"point", "normal"});
     s.half_space = {b.vector("point"), b.vector("normal")};
   }
   if (f.has("coverage")) {
-    const Json& v = f["coverage"];
+    const Json& v = f.at("coverage");
     const bool numbers = v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
     if (v != "fails" && !numbers) f.fail("'coverage' must be \"fails\" or three numbers");
     s.coverage_fails = kThesisCoverage;
@@ -146,12 +94,12 @@ EditSelection selection_of(const Json& json, const std::string& where) {
   }
   f.get("coverage_below", s.coverage_below, &Fields::number);
   f.get("error_above", s.error_above, &Fields::number);
-  f.get("samples_below", s.samples_below, &Fields::integer);
-  f.get("level_from", s.level_from, &Fields::integer);
-  f.get("level_to", s.level_to, &Fields::integer);
+  f.get("samples_below", s.samples_below, &Fields::whole);
+  f.get("level_from", s.level_from, &Fields::whole);
+  f.get("level_to", s.level_to, &Fields::whole);
   f.get("sheet_at", s.sheet_at, &Fields::vector);
   if (f.has("sheets")) {
-    const Json& v = f["sheets"];
+    const Json& v = f.at("sheets");
     s.spurious_sheets = v == "spurious";
     s.all_but_largest = v == "all but largest";
     if (!s.spurious_sheets && !s.all_but_largest) f.fail("'sheets' must be \"spurious\" or \"all but largest\"");
@@ -167,8 +115,8 @@ EditSelection selection_of(const Json& json, const std::string& where) {
 Refit refit_of(const Json& json, const std::string& where) {
   const Fields f(json, where, {"max_degree", "max_depth", "error", "support", "sharp"});
   Refit r;
-  f.get("max_degree", r.max_degree, &Fields::integer);
-  f.get("max_depth", r.max_depth, &Fields::integer);
+  f.get("max_degree", r.max_degree, &Fields::whole);
+  f.get("max_depth", r.max_depth, &Fields::whole);
   f.get("error", r.error, &Fields::number);
   f.get("support", r.support, &Fields::number);
   f.get("sharp", r.sharp, &Fields::boolean);
@@ -189,14 +137,14 @@ Edit edit_of(const Json& json, const std::string& where) {
   int actions = 0;
   const auto is = [&](const char* key) { return f.has(key) && ++actions; };
   if (is("degree")) {
-    const bool automatic = f["degree"] == "auto";
-    const int degree = automatic ? kAutomaticDegree : f.integer("degree");
+    const bool automatic = f.at("degree") == "auto";
+    const int degree = automatic ? kAutomaticDegree : f.whole("degree");
     if (!automatic && (degree < 0 || degree > 4)) f.fail("'degree' must be \"auto\" or lie in 0..4");
     edit.action = SetDegree{degree};
   }
-  if (is("refit")) edit.action = refit_of(f["refit"], where + ".refit");
+  if (is("refit")) edit.action = refit_of(f.at("refit"), where + ".refit");
   if (is("constant")) {
-    const Json& v = f["constant"];
+    const Json& v = f.at("constant");
     if (v == "outside")
       edit.action = SetConstant{1};
     else if (v == "inside")
@@ -217,14 +165,14 @@ Edit edit_of(const Json& json, const std::string& where) {
     edit.action = RemoveSupports{};
   }
   if (is("undo")) {
-    edit.action = Undo{f.integer("undo")};
+    edit.action = Undo{f.whole("undo")};
     if (std::get<Undo>(edit.action).steps < 1) f.fail("'undo' must be at least 1");
   }
   if (actions != 1) f.fail("needs one of degree, refit, constant, remove, undo");
   const bool undo = std::holds_alternative<Undo>(edit.action);
   if (undo == f.has("select"))
     f.fail(undo ? "'undo' takes no 'select'" : "'select' is missing ({} selects everything)");
-  if (!undo) edit.select = selection_of(f["select"], where + ".select");
+  if (!undo) edit.select = selection_of(f.at("select"), where + ".select");
   return edit;
 }
 
@@ -275,12 +223,12 @@ std::vector<Edit> parse_edit_script(const std::string& text) {
       text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
   if (!twice.what().empty()) throw ArgumentError(twice.what());
   const Fields f(json, "the script", {"version", "steps", "function", "note"});
-  if (f.integer("version") != kVersion)
-    f.fail(fmt::format("version {} is not known, only {}", f.integer("version"), kVersion));
-  if (!f.has("steps") || !f["steps"].is_array()) f.fail("'steps' must be a list");
+  if (f.whole("version") != kVersion)
+    f.fail(fmt::format("version {} is not known, only {}", f.whole("version"), kVersion));
+  if (!f.has("steps") || !f.at("steps").is_array()) f.fail("'steps' must be a list");
   std::vector<Edit> edits;
   int number = 0;
-  for (const Json& step : f["steps"]) edits.push_back(edit_of(step, fmt::format("step {}", ++number)));
+  for (const Json& step : f.at("steps")) edits.push_back(edit_of(step, fmt::format("step {}", ++number)));
   return edits;
 }
 

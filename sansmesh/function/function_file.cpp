@@ -101,12 +101,17 @@ PartitionOptions options_of(const ReadJson& json) {
 }
 
 Json to_json(const PartitionReport& r) {
-  return {{"noise", r.noise},         {"error", r.error},
-          {"accuracy", r.accuracy},   {"area", r.area},
-          {"spacing", r.spacing},     {"depth", r.depth},
-          {"functions", r.functions}, {"functions_of_degree", r.functions_of_degree},
-          {"creased", r.creased},     {"open_area", r.open_area},
-          {"behind", r.behind}};
+  return {{"noise", r.noise},
+          {"error", r.error},
+          {"accuracy", r.accuracy},
+          {"area", r.area},
+          {"spacing", r.spacing},
+          {"depth", r.depth},
+          {"functions", r.functions},
+          {"functions_of_degree", r.functions_of_degree},
+          {"creased", r.creased},
+          {"open_area", r.open_area},
+          {"behind", r.mean_winding_number}};
 }
 
 Json to_json(const PaperOptions& o) {
@@ -141,7 +146,7 @@ PartitionReport report_of(const ReadJson& json) {
   r.creased = whole<std::size_t>(json.at("creased"));
   if (json.contains("behind")) {  // since 1.2
     r.open_area = number(json.at("open_area"));
-    r.behind = number(json.at("behind"));
+    r.mean_winding_number = number(json.at("behind"));
   }
   return r;
 }

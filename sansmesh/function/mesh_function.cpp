@@ -10,7 +10,7 @@
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/edit/clip_mesh.h"
-#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/polygonize/walk_surface.h"

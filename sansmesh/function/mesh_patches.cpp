@@ -6,9 +6,11 @@
 #include <numbers>
 #include <span>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/data/triangles.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -31,8 +33,8 @@ std::vector<KeyIndex> ordered_half_edges(const std::vector<Triangle>& triangles)
   std::vector<KeyIndex> keys;
   keys.reserve(3 * triangles.size());
   for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
-    const auto [low, high] = std::minmax(triangles[h / 3][h % 3], triangles[h / 3][(h % 3 + 1) % 3]);
-    if (low != high) keys.push_back({std::uint64_t{low} << 32 | high, h});
+    const std::uint32_t a = triangles[h / 3][h % 3], b = triangles[h / 3][(h % 3 + 1) % 3];
+    if (a != b) keys.push_back({edge_key(a, b), h});
   }
   parallel_sort(keys);
   return keys;
@@ -187,7 +189,7 @@ void PatchFinder::number() {
 }  // namespace
 
 MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double least_crease) {
-  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> same = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.triangles.size();
   triangles.resize(n);
   normal.resize(n);

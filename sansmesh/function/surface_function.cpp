@@ -1,4 +1,5 @@
 #include "sansmesh/surface_function.h"
+#include "sansmesh/core/option_text.h"
 
 #include <utility>
 
@@ -25,8 +26,7 @@ std::size_t SurfaceFunction::samples() const { return fitted_->samples->size(); 
 const std::vector<std::string>& SurfaceFunction::history() const { return fitted_->history; }
 
 bool is_function_file(const std::string& file) {
-  std::string name = file;
-  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string name = lower_case(file);
   return name.ends_with(".smf") || name.ends_with(".smf.gz");
 }
 

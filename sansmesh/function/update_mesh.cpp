@@ -72,8 +72,6 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-std::string exact_place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
-
 /// "34 %"; "100 %" only if it is exactly all.
 std::string percent_of(double share) {
   const double percent = std::floor(1000 * share) / 10;
@@ -154,7 +152,7 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                exact_place_words(function_.frame.to_input(p.change.center()));
+                                                point_words(function_.frame.to_input(p.change.center()), 9);
     return false;
   }
 
@@ -213,7 +211,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   const std::size_t off = match.vertices - match.on;
   if (static_cast<double>(off) > kOff * static_cast<double>(match.vertices)) {
     u.why = fmt::format("{} of {} vertices off the changes are not on the surface, the farthest at {}", grouped(off),
-                        grouped(match.vertices), exact_place_words(match.farthest_at));
+                        grouped(match.vertices), point_words(match.farthest_at, 9));
     return false;
   }
   // In the coordinates of the field.
@@ -303,7 +301,7 @@ constexpr ReportRow kMeshUpdateRows[] = {
     reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
     reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
     reported<&MeshUpdate::regions>({.text = "Separate regions that were remeshed"}),
-    reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const MeshUpdate& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for remeshing all of it"})};
 
 }  // namespace

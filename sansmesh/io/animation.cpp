@@ -25,7 +25,7 @@ void put_whole(std::string& to, std::uint32_t v, int bytes = 4) {
   for (int k = bytes - 1; k >= 0; --k) to += static_cast<char>(v >> (8 * k) & 0xff);
 }
 
-/// Length, type, data and check of a chunk.
+/// Appends a chunk: length, type, data and checksum.
 void put_chunk(std::string& to, const char* type, std::string_view data) {
   put_whole(to, static_cast<std::uint32_t>(data.size()));
   const std::size_t first = to.size();
@@ -41,7 +41,7 @@ std::uint8_t paeth(int left, int above, int corner) {
   return static_cast<std::uint8_t>(a <= b && a <= c ? left : b <= c ? above : corner);
 }
 
-/// A row after that of PNG's five filters which leaves the smallest numbers, with the filter's number before it.
+/// A row after the PNG filter (of five) that leaves the smallest numbers, preceded by the filter's number.
 void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uint8_t>& above, std::size_t pixel,
                 std::uint8_t* out) {
   std::size_t best = 0;
@@ -68,7 +68,7 @@ void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uin
 }  // namespace
 
 Animation::Animation(double frames_per_second, unsigned loops) : rate_(frames_per_second), loops_(loops) {
-  if (!(frames_per_second >= 0.01 && frames_per_second <= 1000)) throw ArgumentError("`fps` must lie in 0.01..1000");
+  if (!(frames_per_second >= 0.01 && frames_per_second <= 1000)) throw ArgumentError("`fps` must be in 0.01..1000");
 }
 
 void Animation::add(const Image& picture) {
@@ -86,7 +86,7 @@ void Animation::add(const Image& picture) {
              static_cast<std::uint32_t>(picture.height) != height_) {
     throw ArgumentError("the pictures of an animation must have the same size");
   }
-  // The part that changes; one pixel where nothing does.
+  // The changed rectangle; one pixel if nothing changes.
   Frame f{0, 0, width_, height_, {}};
   if (!frames_.empty()) {
     std::uint32_t x0 = width_, x1 = 0, y0 = height_, y1 = 0;
@@ -144,7 +144,7 @@ void Animation::write(const std::string& file) const {
     for (const std::uint32_t v : {f.width, f.height, f.x, f.y}) put_whole(chunk, v);
     put_whole(chunk, std::min<std::uint32_t>(top, 65535), 2);
     put_whole(chunk, bottom, 2);
-    chunk += {0, 0};  // it stays; the next takes the place of what is below it
+    chunk += {0, 0};  // disposal: keep the frame; blending: replace what is below
     put_chunk(bytes, "fcTL", chunk);
     if (k == 0) {
       put_chunk(bytes, "IDAT", f.packed);

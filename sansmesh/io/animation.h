@@ -1,4 +1,4 @@
-// Animations in one file.
+// Writer of animated PNG files.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// An animated PNG (APNG, in the PNG specification since its third edition): browsers play it, programs that do not
-/// know it show the first picture. Pictures are packed as they come, of each only the part that changes.
+/// An animated PNG (APNG, in the PNG specification since its third edition). Browsers play it; programs without APNG
+/// support show the first picture. Pictures are compressed as they are added; only the part that changes is stored.
 class Animation {
  public:
-  /// `loops`: how often it is played, 0: for ever. Throws ArgumentError unless `fps` is in 0.01..1000.
+  /// `loops`: number of repetitions, 0: endless. Throws ArgumentError unless `fps` is in 0.01..1000.
   explicit Animation(double fps, unsigned loops = 0);
-  /// All must have the size of the first, and are opaque where that is. Throws ArgumentError.
+  /// All pictures must have the size of the first, and be opaque if the first is. Throws ArgumentError.
   void add(const Image& picture);
   std::size_t size() const { return frames_.size(); }
-  /// Throws FileError, ArgumentError where there is no picture.
+  /// Throws FileError, and ArgumentError if there is no picture.
   void write(const std::string& file) const;
 
  private:

@@ -1,4 +1,4 @@
-// Numbers of any type and byte order at any address.
+// Loads numbers of any type and byte order from any address.
 #pragma once
 
 #include <bit>
@@ -29,14 +29,14 @@ inline T load(const char* p) {
   }
 }
 
-/// Tag for a type and byte order chosen at run time: at(p) loads a value there.
+/// Function object for a type and byte order chosen at run time: at(p) loads a value.
 template <class T, bool swap>
 struct Loader {
   using Value = T;
   T operator()(const char* p) const { return load<T, swap>(p); }
 };
 
-/// Calls use(Loader<T, swap>{}) for the type at hand: one branch outside the loop instead of one inside.
+/// Calls use(Loader<T, swap>{}) for `type`: one branch outside the loop instead of one inside.
 template <class Use>
 auto with_loader(NumberType type, bool swap, Use&& use) {
   switch (type) {
@@ -67,7 +67,7 @@ inline double load_number(const char* p, NumberType type, bool swap) {
   return with_loader(type, swap, [p](auto at) { return static_cast<double>(at(p)); });
 }
 
-/// One column of a table of records: `at` its first value, the next one `stride` bytes further.
+/// One column of a table of records: `at` is its first value, the next one is `stride` bytes further.
 struct Column {
   const char* at = nullptr;
   std::size_t stride = 0;

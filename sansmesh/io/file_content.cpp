@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kMostStream = std::size_t{16} << 30;
 
-/// Most bytes that `packed` bytes may expand to: deflate itself cannot exceed 1032:1, and clouds stay far below; small
-/// files may use the full ratio.
+/// Largest accepted size of `packed` bytes after decompression. Deflate cannot exceed 1032:1, and clouds stay far
+/// below; small files may use the full ratio.
 std::size_t expansion_limit(std::size_t packed) {
   const std::size_t always_fine = std::size_t{256} << 20;
   return std::max(always_fine, packed * 100);
@@ -30,7 +30,7 @@ std::size_t expansion_limit(std::size_t packed) {
 
 FileContent::FileContent(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file is empty");
-  check_cancelled();  // of many files, between any two
+  check_cancelled();  // between any two of many files
   const detail::Descriptor d(detail::open_to_read(file));
   struct stat info {};
   if (::fstat(d.fd, &info) != 0) throw FileError(file, fmt::format("cannot be examined ({})", std::strerror(errno)));

@@ -8,9 +8,9 @@
 
 namespace sansmesh::inline v1::io {
 
-/// The content of a file: mapped into memory, or unpacked if it is gzipped. Throws FileError where it is missing, a
-/// directory, empty, unreadable, damaged (gzip) or expands beyond reason. Another process must not shorten the file
-/// while it is mapped.
+/// Content of a file: mapped into memory, or decompressed if it is gzipped. Throws FileError if the file is missing, a
+/// directory, empty, unreadable, damaged (gzip) or expands too far. Another process must not shorten the file while it
+/// is mapped.
 class FileContent {
  public:
   explicit FileContent(const std::string& file);

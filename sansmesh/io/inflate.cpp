@@ -24,7 +24,7 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
     z_stream& z;
     ~End() { inflateEnd(&z); }
   } end{z};
-  // Room for what is expected and for the end to be noticed; pages of it are taken only where bytes are written.
+  // Reserves memory for the expected size, plus enough to detect the end; pages are allocated only when written.
   result.bytes.reserve(std::min({expected, limit, packed.size() * kMostExpansion}) + kRoomForTheEnd);
   std::size_t used = 0, consumed = 0;
   for (;;) {
@@ -34,7 +34,8 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
       const std::size_t room = result.bytes.capacity(), next = std::max(kFirstRoom, used * 2);
       result.bytes.resize(std::min(limit, used < room ? std::min(room, next) : next));
     }
-    const std::size_t in_now = std::min<std::size_t>(packed.size() - consumed, 1u << 22);  // else nobody hears
+    const std::size_t in_now =
+        std::min<std::size_t>(packed.size() - consumed, 1u << 22);  // in blocks, so that cancellation is checked
     const std::size_t out_now = std::min<std::size_t>(result.bytes.size() - used, 1u << 30);
     z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + consumed));
     z.avail_in = static_cast<uInt>(in_now);
@@ -44,7 +45,7 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
     consumed += in_now - z.avail_in;
     used += out_now - z.avail_out;
     if (status == Z_STREAM_END) {
-      // gzip files may be several streams one after the other.
+      // gzip files may contain several streams.
       if (consumed + 2 <= packed.size() && packed[consumed] == '\x1f' && packed[consumed + 1] == '\x8b') {
         inflateReset(&z);
         continue;

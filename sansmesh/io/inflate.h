@@ -1,4 +1,4 @@
-// Compressed data.
+// Decompression of zlib and gzip data.
 #pragma once
 
 #include <cstddef>
@@ -9,18 +9,18 @@
 
 namespace sansmesh::inline v1::io {
 
-/// What came out of compressed data.
+/// Result of decompression.
 struct Inflated {
   std::vector<char> bytes;
-  bool complete = false;  ///< the stream was whole
+  bool complete = false;  ///< the stream ended properly
 };
 
-/// No byte of deflate makes more bytes than this: what is announced beyond it is not there.
+/// Largest expansion factor of deflate; sizes announced beyond it are wrong.
 inline constexpr std::uint64_t kMostExpansion = 1032;
 
-/// Inflates zlib or gzip data (several gzip streams one after the other, too) to at most `limit` bytes; `expected` is
-/// a guess of how many there will be. Memory is taken as they come: what a header promises and the data do not hold
-/// takes none. Throws FileError, naming `file`, on damaged data and beyond the limit.
+/// Decompresses zlib or gzip data (also several gzip streams in sequence) to at most `limit` bytes; `expected` is an
+/// estimate of the size. Memory grows with the output: sizes that a header only announces allocate nothing. Throws
+/// FileError, naming `file`, if the data are damaged or exceed the limit.
 Inflated inflate_bytes(const std::string& file, std::string_view packed, std::size_t expected, std::size_t limit);
 
 }  // namespace sansmesh::inline v1::io

@@ -1,5 +1,4 @@
-// The library's formats that have a FormatId, in its order. A format without one has a source of its own,
-// NAME_formats.cpp.
+// The library's formats with a FormatId, in its order. Formats without one have a separate source, NAME_formats.cpp.
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/readers.h"
@@ -8,7 +7,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr unsigned kCloudOrMesh = kPoints | kMesh;
-/// Points with attributes are scattered samples of a volume as well.
+/// Points with attributes are also scattered samples of a volume.
 constexpr unsigned kSamples = kCloudOrMesh | kVolume;
 constexpr std::string_view kConvertMesh = "reading this format is not supported; convert it to PLY or OBJ first";
 constexpr std::string_view kUnpackOrConvert =
@@ -32,8 +31,8 @@ constexpr FormatInfo kFormats[] = {
      .read_points = io::read_obj,
      .write_mesh = io::mesh_to_obj,
      .write_points = io::points_to_obj,
-     .mesh_room = FormatRoom::colors,
-     .points_room = FormatRoom::colors},
+     .mesh_capacity = FormatCapacity::colors,
+     .points_capacity = FormatCapacity::colors},
     {.id = FormatId::off,
      .name = "OFF",
      .endings = "off coff noff cnoff",
@@ -41,7 +40,7 @@ constexpr FormatInfo kFormats[] = {
      .written = {{{"off", kMesh}}},
      .read_points = io::read_off,
      .write_mesh = io::mesh_to_off,
-     .mesh_room = FormatRoom::colors},
+     .mesh_capacity = FormatCapacity::colors},
     {.id = FormatId::stl,
      .name = "STL",
      .endings = "stl",
@@ -49,14 +48,14 @@ constexpr FormatInfo kFormats[] = {
      .written = {{{"stl", kMesh}}},
      .read_points = io::read_stl,
      .write_mesh = io::mesh_to_stl,
-     .mesh_room = FormatRoom::positions},
+     .mesh_capacity = FormatCapacity::positions},
     {.id = FormatId::glb,
      .name = "glTF",
      .endings = "glb gltf",
      .written = {{{"glb", kMesh}}},
      .remedy = kConvertMesh,
      .write_mesh = io::mesh_to_glb,
-     .mesh_room = FormatRoom::colors_and_few_floats},
+     .mesh_capacity = FormatCapacity::colors_and_few_floats},
     {.id = FormatId::vtp,
      .name = "VTK XML polydata",
      .endings = "vtp",
@@ -80,7 +79,7 @@ constexpr FormatInfo kFormats[] = {
      .written = {{{"las", kPoints}}},
      .read_points = io::read_las,
      .write_points = io::points_to_las,
-     .points_room = FormatRoom::all_but_normals},
+     .points_capacity = FormatCapacity::all_but_normals},
     {.id = FormatId::csv,
      .name = "CSV",
      .endings = "csv tsv",
@@ -96,7 +95,7 @@ constexpr FormatInfo kFormats[] = {
      .written = {{{"xyz", kPoints}}},
      .read_points = io::read_table,
      .write_points = io::points_to_xyz,
-     .points_room = FormatRoom::colors},
+     .points_capacity = FormatCapacity::colors},
     {.id = FormatId::conf,
      .name = "Stanford alignment",
      .endings = "conf",

@@ -2,13 +2,11 @@
 
 #include <filesystem>
 
+#include "sansmesh/core/option_text.h"
+
 namespace sansmesh::inline v1::io {
 
-std::string lower(std::string_view s) {
-  std::string r(s);
-  for (char& c : r) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return r;
-}
+std::string lower(std::string_view s) { return lower_case(s); }
 
 std::string ending(const std::string& file) {
   std::string name = lower(std::filesystem::path(file).filename().string());

@@ -1,4 +1,4 @@
-// Names whose case does not matter.
+// Case-insensitive names.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace sansmesh::inline v1::io {
 /// Lower-case copy (ASCII).
 std::string lower(std::string_view s);
 
-/// The ending of a file's name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
+/// Ending of a file name in lower case without the dot and without a final ".gz": "a/B.PLY.gz" → "ply".
 std::string ending(const std::string& file);
 
 }  // namespace sansmesh::inline v1::io

@@ -1,4 +1,4 @@
-// Numbers in text, one after the other, wherever lines end.
+// Numbers in free-form text, independent of line breaks.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Walks over words and numbers; what follows a '#' up to the end of its line is skipped.
+/// Iterates over words and numbers; text from a '#' to the end of its line is skipped.
 class NumberText {
  public:
   NumberText(const Input& in, std::string_view text) : in_(in), scanner_(text) {}
 
-  /// The next word, on whatever line; empty at the end.
+  /// The next word on any line; empty at the end.
   std::string_view word();
   /// The rest of the line.
   std::string_view line() { return scanner_.line(); }
-  /// Whether a number comes next; never moves past anything but blanks and comments.
+  /// Whether a number comes next; skips only blanks and comments.
   bool at_number();
-  /// Whether nothing but comments and blanks is left of the line.
+  /// Whether the rest of the line holds only comments and blanks.
   bool at_line_end();
   bool at_end();
 
-  // Numbers; `of` is what they are numbers of, in messages: "vertices". Throw FileError where there is none.
+  // Numbers. `of` names them in messages: "vertices". Throw FileError if there is none.
   double real(const char* of);
   std::int64_t whole(const char* of);
-  /// A number that says how many entries follow, each at least `bytes` long.
+  /// A number of following entries, each at least `bytes` long.
   std::size_t count(const char* of, std::size_t bytes = 2);
 
-  /// Throws FileError with the number of the line.
+  /// Throws FileError with the line number.
   [[noreturn]] void fail(const std::string& cause) const;
   TextScanner& scanner() { return scanner_; }
 

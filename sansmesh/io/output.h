@@ -1,4 +1,4 @@
-// What the writers share: a file that appears whole or not at all, and fast formatting of rows.
+// Common parts of the writers: atomic output of files, and fast formatting of rows.
 #pragma once
 
 #include <algorithm>
@@ -18,15 +18,15 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz") as a part of the OutputBatch
-/// that the thread has, or as one of its own. Throws FileError, leaving whatever had the name untouched.
+/// Writes the joined parts into `file` (gzipped if its name ends in ".gz"), as part of the thread's OutputBatch or of a
+/// new one. Throws FileError and then leaves an existing file untouched.
 void write_whole(const std::string& file, const std::vector<std::string>& parts);
 void write_parts(const std::string& file, const std::vector<std::string_view>& parts);
 /// The same without gzip.
 void write_bytes(const std::string& file, const std::vector<std::string_view>& parts);
 
-/// Bytes that `row(i, p)` appends at p (returning the new end, at most `most` bytes further), for i in [0, n),
-/// formatted in parallel and in order.
+/// Appends the bytes that `row(i, p)` writes at p for i in [0, n), formatted in parallel and joined in order. `row`
+/// returns the new end, at most `most` bytes further.
 template <class Row>
 void append_rows(std::vector<std::string>& parts, std::size_t n, std::size_t most, Row&& row) {
   const std::size_t chunk = 1 << 13;
@@ -44,7 +44,7 @@ void append_rows(std::vector<std::string>& parts, std::size_t n, std::size_t mos
   });
 }
 
-/// The most characters that one number takes as written below.
+/// The most characters that a number takes as written below.
 inline constexpr std::size_t number_width = 48;
 
 template <class T>
@@ -59,7 +59,7 @@ inline char* put_bytes(char* p, const T& value) {
   return static_cast<char*>(std::memcpy(p, &value, sizeof(T))) + sizeof(T);
 }
 
-/// What meshes and clouds have in common, which they must outlive. Clouds are written without their triangles.
+/// Common data of meshes and clouds, which must outlive this. Clouds are written without their triangles.
 struct OutputContent {
   explicit OutputContent(const TriangleMesh& mesh);
   explicit OutputContent(const PointSet& points);
@@ -73,20 +73,20 @@ struct OutputContent {
   const AttributeTable& triangle_attributes;
 };
 
-/// How coordinates leave: world = origin + position.
+/// Converts stored positions to output coordinates: world = origin + position.
 class WorldCoordinates {
  public:
   WorldCoordinates(const Vec3& origin, const std::vector<Vec3f>& positions);
 
-  /// Whether single precision would move some position by more than 1e-7 of the cloud's extent (never without origin).
+  /// Whether single precision would move a position by more than 1e-7 of the cloud's extent (never without an origin).
   bool needs_double() const { return float_loss_ > 1e-7; }
   /// Largest error of single precision as a fraction of the extent.
   double float_loss() const { return float_loss_; }
   Vec3 world(std::size_t i) const { return origin_ + Vec3(positions_[i]); }
   Vec3f world_float(std::size_t i) const { return Vec3f(world(i)); }
 
-  /// Writes the three coordinates with `separator` between: the shortest text that reads back as the same floats where
-  /// there is no origin; otherwise as many decimals as resolve 2^-26 of the extent.
+  /// Writes the three coordinates with `separator` between them: without an origin the shortest text that reads back as
+  /// the same floats, otherwise as many decimals as resolve 2^-26 of the extent.
   char* put(char* p, std::size_t i, char separator) const;
 
  private:
@@ -97,7 +97,7 @@ class WorldCoordinates {
   int decimals_ = 0;
 };
 
-// Writers, one a format: the parts of the file.
+// Writers, one per format. Each returns the parts of the file.
 std::vector<std::string> mesh_to_ply(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_obj(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_stl(const TriangleMesh& mesh, const WriteOptions& options);

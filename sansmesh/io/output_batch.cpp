@@ -22,7 +22,7 @@
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/output.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 #include "sansmesh/io/staging.h"
 
 namespace sansmesh::inline v1 {
@@ -30,12 +30,12 @@ namespace {
 
 using Parts = std::vector<std::string_view>;
 
-constexpr std::size_t kWriteBlock = std::size_t{1} << 24;  // bytes between two looks for a cancellation
+constexpr std::size_t kWriteBlock = std::size_t{1} << 24;  // bytes between two checks for cancellation
 constexpr std::size_t kMostNamed = 5;                      // files in a message
 constexpr std::size_t kSyncsAtOnce = 8;
 
-/// A write that is too large, or into a pipe that nobody reads, fails with an error and sends no signal: the calling
-/// thread holds it back, and takes it where it came.
+/// Blocks SIGXFSZ and SIGPIPE in the calling thread, so that a write that is too large, or into a pipe without a
+/// reader, fails with an error; a signal that arrives is consumed.
 class HeldSignals {
  public:
   HeldSignals() {
@@ -61,8 +61,8 @@ class HeldSignals {
   sigset_t held_, before_;
 };
 
-/// Writes everything or returns the error. `blocks`: the descriptor is a pipe that would wait out of hearing; it takes
-/// as much as a pipe that is ready takes at once.
+/// Writes everything or returns the error. `blocks`: the descriptor is a pipe in blocking mode, which would delay
+/// cancellation; each write is limited to what a ready pipe accepts.
 int write_all(int fd, const Parts& parts, bool blocks = false) {
   const HeldSignals held;
   for (const std::string_view part : parts) {
@@ -83,12 +83,12 @@ int write_all(int fd, const Parts& parts, bool blocks = false) {
   return 0;
 }
 
-/// Opens what cannot be replaced. Waits for whoever reads a pipe that has a name.
-int open_stream(const std::string& file, const io::OutputPlace& place) {
+/// Opens a file that cannot be replaced. Waits for the reader of a named pipe.
+int open_stream(const std::string& file, const io::OutputDestination& place) {
   const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0);
   if (place.descriptor >= 0) {
-    // A second description of the same pipe, which need not block. There is none of a pipe whose reader is gone, or
-    // that somebody else made: we write to it as it is.
+    // A second, non-blocking description of the same pipe. It does not exist if the pipe's reader is gone or another
+    // user created the pipe; then the original descriptor is used.
     const std::string name = fmt::format("/proc/self/fd/{}", place.descriptor);
     int fd = place.pipe ? ::open(name.c_str(), flags) : -1;
     if (fd < 0) fd = ::fcntl(place.descriptor, F_DUPFD_CLOEXEC, 0);
@@ -105,14 +105,14 @@ int open_stream(const std::string& file, const io::OutputPlace& place) {
   }
 }
 
-void write_stream(const std::string& file, const io::OutputPlace& place, const Parts& parts) {
+void write_stream(const std::string& file, const io::OutputDestination& place, const Parts& parts) {
   detail::Descriptor d(open_stream(file, place));
   int error = write_all(d.fd, parts, place.pipe && (::fcntl(d.fd, F_GETFL) & O_NONBLOCK) == 0);
   if (::close(std::exchange(d.fd, -1)) != 0 && error == 0) error = errno;
   if (error != 0) io::fail_output(file, error);
 }
 
-/// Brings a file or folder onto the disk; returns the error. What cannot be asked for that is taken to be there.
+/// Writes a file or folder to disk; returns the error. File systems without this operation count as synchronised.
 int sync_path(const std::filesystem::path& path) {
   const detail::Descriptor d(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (d.fd < 0) return errno == EACCES ? 0 : errno;
@@ -131,7 +131,7 @@ std::string named(const std::vector<std::string>& files) {
 
 struct OutputBatch::Files {
   struct Waiting {
-    std::string file;  ///< as it was called
+    std::string file;  ///< name given by the caller
     std::filesystem::path target, staged;
   };
 
@@ -150,7 +150,7 @@ struct OutputBatch::Files {
 
 namespace {
 
-/// Of all threads; the mutex also guards what abandon_outputs() touches of each.
+/// The batches of all threads; the mutex also guards the data that abandon_outputs() reads.
 struct Registry {
   std::mutex mutex;
   std::vector<OutputBatch::Files*> batches;
@@ -179,7 +179,7 @@ std::filesystem::path OutputBatch::Files::folder_for(const std::filesystem::path
 }
 
 void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
-  const io::OutputPlace place = io::find_output_place(file);
+  const io::OutputDestination place = io::find_output_destination(file);
   if (place.stream) {
     standard_output = standard_output || place.descriptor == STDOUT_FILENO;
     return write_stream(file, place, parts);
@@ -194,13 +194,13 @@ void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
     const std::lock_guard lock(registry().mutex);
     if (abandoned) throw Cancelled();
     if (!again) w.staged = folder_for(w.target, file);
-    // The blocks of the file that is replaced are written over: on a full disk there may be no others.
+    // Overwrites the blocks of the replaced file: a full disk may have no others.
     fd = ::open(w.staged.c_str(), O_WRONLY | O_CLOEXEC | (again ? 0 : O_CREAT | O_EXCL), 0666);
   }
   if (fd < 0) io::fail_output(file, errno);
   int error = 0;
   try {
-    if (place.exists) (void)!::fchmod(fd, place.mode);  // keeps the old file's mode where the system lets us
+    if (place.exists) (void)!::fchmod(fd, place.mode);  // keeps the old file's mode if the system permits it
     error = write_all(fd, parts);
     std::size_t size = 0;
     for (const std::string_view part : parts) size += part.size();
@@ -223,18 +223,18 @@ void OutputBatch::Files::check_abandoned() const {
   if (abandoned) throw Cancelled();
 }
 
-/// Drops files that do not get onto the disk: asked a second time, the system would say that they are there.
+/// Drops files that cannot be written to disk: a second fsync would report success.
 void OutputBatch::Files::sync_files() {
   if (waiting.empty()) return;
   std::vector<int> errors(waiting.size());
   {
-    // These threads only wait for the disk, which takes many files at once in little more time than one.
+    // These threads only wait for the disk, which writes many files in hardly more time than one.
     const ThreadScope waits(static_cast<int>(std::min(waiting.size(), kSyncsAtOnce)));
     parallel_for(0, waiting.size(), 1, [&](std::size_t i) { errors[i] = sync_path(waiting[i].staged); });
   }
   const auto first = std::find_if(errors.begin(), errors.end(), [](int error) { return error != 0; });
   if (first == errors.end()) return;
-  check_abandoned();  // then they are gone
+  check_abandoned();  // they no longer exist
   const std::string culprit = waiting[static_cast<std::size_t>(first - errors.begin())].file;
   std::vector<Waiting> there;
   for (std::size_t i = 0; i < waiting.size(); ++i) {

@@ -1,4 +1,4 @@
-// PNG through libpng, into memory first: the file then appears whole.
+// PNG through libpng, first into memory, so that the file appears whole.
 #include <png.h>
 
 #include <array>
@@ -27,7 +27,7 @@ void write_image(const std::string& file, const Image& image) {
   png.width = static_cast<png_uint_32>(image.width);
   png.height = static_cast<png_uint_32>(image.height);
   png.format = PNG_FORMAT_RGBA;
-  // The bound is enough for any content, so compression runs once.
+  // The bound suffices for any content, so compression runs once.
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, levels.data(), 0, nullptr)) {

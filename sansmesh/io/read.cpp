@@ -1,4 +1,4 @@
-// Chooses the reader for a file: by its first bytes where they say what it is, else by its ending.
+// Chooses the reader of a file: by its first bytes if these are unique, else by its ending.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::string known_endings() {
   return known + "(and each with .gz)";
 }
 
-/// VTK's polydata hold points and meshes; of its other XML files the reader says so.
+/// VTK's polydata hold points and meshes; for its other XML files the reader reports the error.
 const FormatInfo* format_of_points(std::string_view bytes) {
   const FormatInfo* const found = format_of_content(bytes);
   return found && found->id == FormatId::vtk_xml ? format_of_name("a.vtp") : found;

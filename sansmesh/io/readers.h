@@ -1,4 +1,4 @@
-// One reader a format, each in a source of its own: X_read.cpp.
+// Readers of points and meshes, one per format, each in its own source: X_read.cpp.
 #pragma once
 
 #include "sansmesh/io/input.h"
@@ -16,9 +16,9 @@ PointSet read_pcd(const Input& in);
 PointSet read_las(const Input& in);
 PointSet read_vtp(const Input& in);
 PointSet read_conf(const Input& in);
-/// read_points, of points that may extend over less than those of a cloud: volumes are computed in double.
+/// read_points with a smaller limit on the extent: volumes are computed in double.
 PointSet read_points_of_volume(const std::string& file, ReadReport& report);
-/// The lines of such a file; an empty set where it has none.
+/// The lines of a .vtp file; an empty set if it has none.
 PolylineSet read_vtp_lines(const Input& in);
 
 }  // namespace sansmesh::inline v1::io

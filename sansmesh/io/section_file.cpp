@@ -19,7 +19,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Not text (0x89), and damaged by whatever changes the ends of lines.
+/// Not text (0x89), and damaged by any conversion of line ends.
 std::array<char, 8> magic_of(const SectionFormat& format) {
   const std::string_view s = format.letters;
   return {'\x89', s[0], s[1], s[2], '\r', '\n', '\x1a', '\n'};
@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t file_size;
   std::uint32_t sections;
   std::uint32_t unused[7];
-  std::uint64_t checksum;  ///< of all bytes before it and of the table behind it
+  std::uint64_t checksum;  ///< checksum of all bytes before it and of the table after it
 };
 static_assert(sizeof(Header) == 64);
 static_assert(std::endian::native == std::endian::little, "files hold little-endian arrays, as they lie in memory");
@@ -130,14 +130,14 @@ void SectionFile::open(std::string_view bytes, const SectionFormat& format) {
   const auto magic = magic_of(format);
   if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
     fail(bytes.size() >= magic.size() && bytes.substr(1, 3) == format.letters
-             ? "damaged: the ends of lines in it were changed"
+             ? "damaged: its line ends were changed"
              : fmt::format("is not a {}", format.words));
   if (bytes.size() < sizeof header) fail(fmt::format("truncated: it ends after {} bytes", bytes.size()));
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.major > format.major)
     fail(fmt::format("was written by a newer version of sansmesh (format {}.{}, this one reads up to {}.x)",
                      header.major, header.minor, format.major));
-  if (header.major == 0 || header.sections > kMostSections) fail("damaged: its header makes no sense");
+  if (header.major == 0 || header.sections > kMostSections) fail("damaged: its header is invalid");
   const std::size_t table_end = sizeof header + header.sections * sizeof(Entry);
   if (bytes.size() < table_end) fail("truncated: its table of contents is not complete");
   std::vector<Entry> table(header.sections);
@@ -154,9 +154,9 @@ void SectionFile::open(std::string_view bytes, const SectionFormat& format) {
     if (!is_name(name) || find(name) || e.element_size == 0 || e.bytes % e.element_size != 0 ||
         e.offset % kAlignment != 0 || e.offset < table_end || e.offset > bytes.size() ||
         e.bytes > bytes.size() - e.offset)
-      fail("damaged: its table of contents makes no sense");
+      fail("damaged: its table of contents is invalid");
     all += e.bytes;
-    if (all > bytes.size()) fail("damaged: its sections lie on each other");
+    if (all > bytes.size()) fail("damaged: its sections overlap");
     sections_.push_back({name, e.element_size, bytes.substr(e.offset, e.bytes)});
   }
   std::vector<std::uint8_t> right(table.size());

@@ -1,5 +1,4 @@
-// Named arrays in one file, as they lie in memory: the container of function and volume files. docs/formats/smf.md
-// describes the bytes.
+// Container of function and volume files: named arrays as they are in memory. docs/formats/smf.md describes the bytes.
 #pragma once
 
 #include <cstdint>
@@ -27,43 +26,42 @@ FileSection section_of(const std::string& name, std::span<const T> values) {
   return {name, sizeof(T), {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
 }
 
-/// A kind of such files.
+/// A kind of section file.
 struct SectionFormat {
-  std::string_view letters;  ///< three of them, in the first bytes: "SMF"
+  std::string_view letters;  ///< three letters at the beginning of the file: "SMF"
   std::string_view words;    ///< for messages: "function file (.smf)"
-  std::uint32_t major = 1;   ///< readers refuse files of a larger one
+  std::uint32_t major = 1;   ///< readers reject files of a larger one
   std::uint32_t minor = 0;
 };
 inline constexpr SectionFormat kFunctionSections{"SMF", "function file (.smf)", 1, 2};
 inline constexpr SectionFormat kVolumeSections{"SMV", "fitted volume (.smv)", 1, 0};
 
-/// Writes them atomically, each with a checksum, aligned to 64 bytes. Throws FileError.
+/// Writes the sections atomically, each with a checksum and aligned to 64 bytes. Throws FileError.
 void write_sections(const std::string& file, const std::vector<FileSection>& sections,
                     const SectionFormat& format = kFunctionSections);
 
-/// A file of sections, mapped into memory (unpacked if it is gzipped) and checked: every byte that is handed out
-/// belongs to a section whose checksum is right.
+/// A section file, mapped into memory (decompressed if it is gzipped) and checked: every returned byte belongs to a
+/// section with a correct checksum.
 class SectionFile {
  public:
-  /// Throws FileError where the file is missing, not of this kind, of a newer version, truncated or damaged.
+  /// Throws FileError if the file is missing, not of this kind, of a newer version, truncated or damaged.
   explicit SectionFile(const std::string& file, const SectionFormat& format = kFunctionSections);
-  /// The same of bytes in memory, aligned to 16, that stay as they are as long as `owner` lives; `name` is for
-  /// messages.
+  /// The same from bytes in memory, aligned to 16 and unchanged while `owner` exists; `name` is for messages.
   SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes,
               const SectionFormat& format = kFunctionSections);
 
   const std::string& file() const { return file_; }
   bool has(std::string_view name) const { return find(name) != nullptr; }
 
-  /// The elements of a section, without a copy; the array keeps the file mapped. Throws FileError if there is no such
-  /// section or its elements have another size than T.
+  /// The elements of a section without a copy; the array keeps the file mapped. Throws FileError if the section is
+  /// missing or its elements have another size than T.
   template <class T>
   SharedArray<T> array(std::string_view name) const {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 16);
     const std::string_view bytes = bytes_of(name, sizeof(T));
     return {std::span(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)), owner_};
   }
-  /// The same of single bytes.
+  /// The same for single bytes.
   std::string_view text(std::string_view name) const { return bytes_of(name, 1); }
 
  private:

@@ -23,10 +23,9 @@ namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::string_view kStagingBegin = ".sansmesh-", kStagingEnd = ".tmp";
-constexpr std::time_t kForeignAge =
-    24 * 60 * 60;  // seconds after which those of other machines are taken for left over
+constexpr std::time_t kForeignAge = 24 * 60 * 60;  // seconds after which folders of other machines count as stale
 
-/// Names the machine since it was started: only there do locks tell for certain who is alive. Empty: unknown.
+/// Identifies the machine since its start: only there do locks reliably show which processes run. Empty: unknown.
 const std::string& this_boot() {
   static const std::string boot = [] {
     std::string id;
@@ -41,7 +40,7 @@ std::string staging_prefix() { return fmt::format("{}{}-", kStagingBegin, this_b
 
 bool same_file(const struct stat& a, const struct stat& b) { return a.st_dev == b.st_dev && a.st_ino == b.st_ino; }
 
-/// Removes a folder of ours with its files, which it alone holds.
+/// Removes a staging folder with its files, locked by this process.
 bool remove_folder(int fd, const std::filesystem::path& path) {
   std::error_code failed;
   std::vector<std::string> names;
@@ -52,12 +51,12 @@ bool remove_folder(int fd, const std::filesystem::path& path) {
   return ::rmdir(path.c_str()) == 0;
 }
 
-/// Opens a folder of ours and takes its lock; -1 if it has another owner or is in use.
+/// Opens a staging folder and locks it; -1 if it has another owner or is in use.
 int take_over(const std::filesystem::path& path, struct stat& info) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (fd < 0) return -1;
   struct stat named {};
-  // The lock may have been that of a folder that was removed meanwhile.
+  // The lock may be on a folder that was removed meanwhile.
   if (::fstat(fd, &info) == 0 && info.st_uid == ::geteuid() && ::flock(fd, LOCK_EX | LOCK_NB) == 0 &&
       ::lstat(path.c_str(), &named) == 0 && same_file(info, named))
     return fd;
@@ -65,7 +64,7 @@ int take_over(const std::filesystem::path& path, struct stat& info) {
   return -1;
 }
 
-/// Once for each folder of a process: the next output in it need not look again.
+/// Once per folder and process: later outputs need not check again.
 void clean_once(const std::filesystem::path& folder) {
   static std::mutex mutex;
   static std::set<std::tuple<std::string, dev_t, ino_t>> cleaned;
@@ -84,7 +83,7 @@ StagingFolder::StagingFolder(const std::filesystem::path& beside) : beside_(besi
   static std::atomic<unsigned> counter{0};
   clean_once(beside);
   for (int attempt = 0; attempt < 100; ++attempt) {
-    // Leading dot: out of sight of listings and globs.
+    // The leading dot hides it from listings and globs.
     path_ = beside / fmt::format("{}{}-{}{}", staging_prefix(), ::getpid(), counter.fetch_add(1), kStagingEnd);
     if (::mkdir(path_.c_str(), 0777) != 0) {
       if (errno == EEXIST) continue;
@@ -96,12 +95,12 @@ StagingFolder::StagingFolder(const std::filesystem::path& beside) : beside_(besi
       ::rmdir(path_.c_str());
       throw std::system_error(error, std::generic_category());
     }
-    // File systems without locks do without: nobody can take there what nobody can lock.
+    // File systems without locks: proceeds without one, because no process can take over there.
     const bool locked = lock_ >= 0 && (::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK);
     struct stat mine {
     }, named{};
     if (locked && ::fstat(lock_, &mine) == 0 && ::lstat(path_.c_str(), &named) == 0 && same_file(mine, named)) return;
-    // Another process took it for left over before it had its lock.
+    // Another process removed it as stale before it was locked.
     if (lock_ >= 0) ::close(std::exchange(lock_, -1));
   }
   throw std::system_error(EEXIST, std::generic_category());

@@ -1,4 +1,4 @@
-// A hidden folder beside an output, in which it waits until it is whole.
+// Hidden folder beside an output, where the output waits until it is complete.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Made with a lock that ends with the process. The first of a process in a folder removes those whose processes are no
-/// more (docs/decisions/0015-outputs-in-batches.md).
+/// The folder has a lock that ends with the process. The first one of a process in a folder removes the folders of
+/// processes that no longer run (docs/decisions/0015-outputs-in-batches.md).
 class StagingFolder {
  public:
   /// Throws std::system_error with the cause.
@@ -17,9 +17,9 @@ class StagingFolder {
   StagingFolder& operator=(const StagingFolder&) = delete;
 
   const std::filesystem::path& beside() const { return beside_; }
-  /// A name in it that nobody has.
+  /// An unused name in the folder.
   std::filesystem::path next();
-  /// With all that is in it. Nothing happens the second time.
+  /// Removes the folder with its content. The second call does nothing.
   void remove();
 
  private:
@@ -28,7 +28,7 @@ class StagingFolder {
   unsigned count_ = 0;
 };
 
-/// Removes those of killed processes; returns how many. What cannot be judged stays.
+/// Removes the folders of killed processes and returns their number. Folders whose state is unknown stay.
 std::size_t remove_stale_staging(const std::filesystem::path& folder);
 
 }  // namespace sansmesh::inline v1::io

@@ -1,13 +1,21 @@
-// Walks over text: words, lines and numbers, without copying and independent of the locale.
+// Scans text for words, lines and numbers, without copies and independent of the locale.
 #pragma once
 
 #include <charconv>
 #include <cstring>
 #include <string_view>
 
+#include "sansmesh/vec.h"
+
 namespace sansmesh::inline v1::io {
 
-/// A position in text. Blanks are space, tab, carriage return, form feed and vertical tab; a line ends at '\n'.
+/// Text without the byte order mark that some editors write.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
+/// A position in text. Blanks are space, tab, carriage return, form feed and vertical tab; a line ends at a line feed.
 class TextScanner {
  public:
   explicit TextScanner(std::string_view text) : p_(text.data()), end_(text.data() + text.size()) {}
@@ -21,12 +29,12 @@ class TextScanner {
   void skip_blanks() {
     while (p_ != end_ && is_blank(*p_)) ++p_;
   }
-  /// Blanks and line ends.
+  /// Skips blanks and line ends.
   void skip_space() {
     while (p_ != end_ && (is_blank(*p_) || *p_ == '\n')) ++p_;
   }
 
-  /// The line up to the next '\n' (without it and a '\r' before it); moves past it.
+  /// The line up to the next line feed (without it and a carriage return before it); moves past it.
   std::string_view line() {
     const char* start = p_;
     const char* stop = static_cast<const char*>(std::memchr(p_, '\n', static_cast<std::size_t>(end_ - p_)));
@@ -44,7 +52,7 @@ class TextScanner {
     return {start, static_cast<std::size_t>(p_ - start)};
   }
 
-  /// Reads a number that starts here (blanks skipped); false, without moving past the blanks, if there is none.
+  /// Reads a number at this position (after blanks); false, without moving past the blanks, if there is none.
   template <class T>
   bool number(T& value) {
     skip_blanks();
@@ -52,7 +60,7 @@ class TextScanner {
     if (start != end_ && *start == '+') ++start;
     const auto [stop, error] = std::from_chars(start, end_, value);
     if (error == std::errc::result_out_of_range) {
-      // Underflow to zero and overflow are both data, not damage; the callers drop what is not finite.
+      // Underflow and overflow are data, not damage; callers drop non-finite values.
       if constexpr (std::is_floating_point_v<T>)
         value = overflowed(start, stop) ? T(1e300) * T(1e300) : T(0);
       else
@@ -63,6 +71,9 @@ class TextScanner {
     p_ = stop;
     return true;
   }
+
+  /// Reads three numbers.
+  bool vector(Vec3& v) { return number(v.x) && number(v.y) && number(v.z); }
 
  private:
   static bool overflowed(const char* start, const char* stop) {

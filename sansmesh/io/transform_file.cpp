@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kRowsOfFour = "must hold 4 rows of 4 numbers";
 
 std::vector<double> numbers_of_text(const std::string& file, std::string_view bytes) {
-  std::string text(bytes.substr(0, 1 << 16));  // whoever names a cloud here need not wait for all of it
+  std::string text(bytes.substr(0, 1 << 16));  // enough to reject a cloud without reading all of it
   for (char& c : text)
     if (c == ',' || c == ';') c = ' ';
   std::vector<double> numbers;
@@ -61,8 +61,8 @@ std::vector<double> numbers_of_json(const std::string& file, std::string_view by
 
 AffineMap read_transform(const std::string& file) { return parse_transform(io::FileContent(file).bytes(), file); }
 
-AffineMap parse_transform(std::string_view bytes, const std::string& file) {
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // with which some editors begin every text
+AffineMap parse_transform(std::string_view text, const std::string& file) {
+  const std::string_view bytes = io::without_byte_order_mark(text);
   const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
   const bool json = begin != std::string_view::npos && (bytes[begin] == '[' || bytes[begin] == '{');
   const std::vector<double> m = json ? numbers_of_json(file, bytes) : numbers_of_text(file, bytes);

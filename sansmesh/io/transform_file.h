@@ -1,4 +1,4 @@
-// Affine maps in files: 4 rows of 4 numbers.
+// Reads and writes affine maps: 4 rows of 4 numbers.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// A map that takes positions as columns: 4 rows of 4 numbers between blanks, commas or semicolons, the last 0 0 0 1
-/// (or absent: 3 rows of 4), as most programs for clouds exchange them; lines after '#' or "//" are comments. Or as
-/// JSON: a list of rows, a list of 12 or 16 numbers row by row, or an object with such a list as its `matrix`. Throws
-/// FileError where there is no such thing, where the last row is another, or where the matrix has no inverse.
+/// Reads a map that acts on columns: 4 rows of 4 numbers, separated by blanks, commas or semicolons, the last row 0 0 0
+/// 1 (or absent: 3 rows of 4), the usual exchange format of point cloud programs. Lines after '#' or "//" are comments.
+/// Also JSON: a list of rows, a list of 12 or 16 numbers row by row, or an object with such a list as its `matrix`.
+/// Throws FileError if there is no such list, the last row differs, or the matrix has no inverse.
 AffineMap read_transform(const std::string& file);
-/// The same of a text; `file` is named in errors.
+/// The same from text; errors name `file`.
 AffineMap parse_transform(std::string_view text, const std::string& file);
 
 /// Writes 4 rows of 4 numbers, the shortest that read back as the same; with the ending .json as {"matrix": [rows]}.

@@ -1,4 +1,4 @@
-// Chooses the writer for a file by its ending.
+// Chooses the writer of a file by its ending.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,34 +10,34 @@
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What a format of that room leaves out.
-std::vector<std::string> without_room(FormatRoom room, const io::OutputContent& content) {
+/// Data that a format with that room cannot hold.
+std::vector<std::string> lost_data(FormatCapacity room, const io::OutputContent& content) {
   std::vector<std::string> names;
-  if (room == FormatRoom::all) return names;
-  if ((room == FormatRoom::positions || room == FormatRoom::all_but_normals) && !content.normals.empty())
+  if (room == FormatCapacity::all) return names;
+  if ((room == FormatCapacity::positions || room == FormatCapacity::all_but_normals) && !content.normals.empty())
     names.emplace_back("normals");
-  if (room == FormatRoom::positions && !content.colors.empty()) names.emplace_back("colours");
-  if (room == FormatRoom::all_but_normals) return names;
+  if (room == FormatCapacity::positions && !content.colors.empty()) names.emplace_back("colours");
+  if (room == FormatCapacity::all_but_normals) return names;
   for (const Attribute& a : content.attributes)
-    if (room != FormatRoom::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
+    if (room != FormatCapacity::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
       names.push_back(printable(a.name, 80));
   for (const Attribute& a : content.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
   return names;
 }
 
-/// Throws ArgumentError's sibling for files: the ending is not one of those known.
+/// Throws FileError: the ending is not a known one.
 [[noreturn]] void fail_ending(const std::string& file, const std::string& kind, const std::string& known) {
   const std::string e = io::ending(file);
   throw FileError(file, e.empty() ? fmt::format("has no ending that names a format for {}; known: {}", kind, known)
                                   : fmt::format("no writer for {} with the ending '.{}'; known: {}", kind, e, known));
 }
 
-/// The format with a writer of that kind for such a name. Throws FileError.
+/// The format with a writer of that kind for a file name. Throws FileError.
 const FormatInfo& find_writer(FormatContent content, const std::string& file, const std::string& kind) {
   const std::string e = io::ending(file);
   for (const FormatInfo* const f : formats())
@@ -49,11 +49,11 @@ const FormatInfo& find_writer(FormatContent content, const std::string& file, co
 /// Throws ArgumentError unless an optional per-vertex array is empty or complete.
 void check_length(const char* what, std::size_t length, std::size_t n) {
   if (length != 0 && length != n) {
-    throw ArgumentError(fmt::format("{} {} for {} points: there must be none or one for each", length, what, n));
+    throw ArgumentError(fmt::format("{} {} for {} points: either none or one per point is required", length, what, n));
   }
 }
 
-/// Throws FileError for coordinates beyond those that readers accept.
+/// Throws FileError for coordinates beyond the limit of readers.
 void check_reach(const std::string& file, std::span<const Vec3f> positions, const Vec3& origin) {
   const double far = parallel_reduce(
       positions.size(), 1 << 16, 0.0,
@@ -67,8 +67,8 @@ void check_reach(const std::string& file, std::span<const Vec3f> positions, cons
       },
       [](double a, double b) { return std::max(a, b); });
   if (far > kLargestCoordinate)
-    throw FileError(file, fmt::format("would reach out to {:.3g}, and coordinates up to {:g} are supported", far,
-                                      kLargestCoordinate));
+    throw FileError(
+        file, fmt::format("would have coordinates up to {:.3g}; at most {:g} is supported", far, kLargestCoordinate));
 }
 
 template <class Triangles>
@@ -113,18 +113,18 @@ bool is_written(const std::string& file, const std::string& kind) {
 }
 
 std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh) {
-  return without_room(find_writer(kMesh, file, "meshes").mesh_room, io::OutputContent(mesh));
+  return lost_data(find_writer(kMesh, file, "meshes").mesh_capacity, io::OutputContent(mesh));
 }
 
 std::vector<std::string> left_out(const std::string& file, const PointSet& points) {
-  return without_room(find_writer(kPoints, file, "points").points_room, io::OutputContent(points));
+  return lost_data(find_writer(kPoints, file, "points").points_capacity, io::OutputContent(points));
 }
 
 void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options) {
   const auto& writer = find_writer(kLines, file, "lines");
   if (lines.offsets.empty() || lines.offsets.front() != 0 || lines.offsets.back() != lines.positions.size() ||
       !std::is_sorted(lines.offsets.begin(), lines.offsets.end()))
-    throw ArgumentError("lines must begin where those before them end");
+    throw ArgumentError("each line must begin at the end of the previous one");
   lines.attributes.check_rows(lines.positions.size(), "points");
   lines.line_attributes.check_rows(lines.size(), "lines");
   io::write_whole(file, writer.write_lines(lines, options));
@@ -145,7 +145,7 @@ void check_writable(const std::string& file, const std::string& kind) {
   } else if (kind != "text") {
     throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points lines image text", kind));
   }
-  io::find_output_place(file);
+  io::find_output_destination(file);
 }
 
 }  // namespace sansmesh::inline v1

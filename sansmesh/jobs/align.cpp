@@ -2,7 +2,7 @@
 #include "sansmesh/inspect.h"
 #include "sansmesh/mesh/align/align_surfaces.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>
@@ -16,26 +16,24 @@ namespace {
 constexpr double kLittleOverlap = 0.4;
 constexpr double kOtherSize = 1.5;
 
-/// Beside the numbers: the motion is not the only one, or is hardly told.
+/// Notes on motions that are not unique or badly determined.
 void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options, const std::string& name,
                          std::vector<Note>& notes) {
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
     notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
   };
-  if (r.alternatives > 0) {
-    std::string angles;
-    for (const double one : r.alternative_angles) angles += fmt::format("{}{:.0f}°", angles.empty() ? "" : ", ", one);
-    note("not_unique", fmt::format("the pose is not unique: {} {} as well, turned by {}",
-                                   counted(r.alternatives, "other"), r.alternatives == 1 ? "fits" : "fit", angles));
-  }
+  if (r.alternatives > 0)
+    note("not_unique",
+         fmt::format("the pose is not unique: {} {} as well, turned by {:.0f}°", counted(r.alternatives, "other"),
+                     r.alternatives == 1 ? "fits" : "fit", fmt::join(r.alternative_angles, "°, ")));
   if (r.free_motions > 0)
-    note("free_motions", fmt::format("the surfaces do not tell {}: they slide on each other",
+    note("free_motions", fmt::format("the surfaces do not determine {}: they can slide on each other",
                                      counted(static_cast<std::size_t>(r.free_motions), "motion")));
   if (r.overlap < kLittleOverlap)
-    note("little_overlap", fmt::format("only {:.0f} % of it lie on the other surface", 100 * r.overlap),
-         options.start == AlignStart::as_it_lies ? "`from = anywhere` looks elsewhere" : "");
+    note("little_overlap", fmt::format("only {:.0f} % of it are on the other surface", 100 * r.overlap),
+         options.start == AlignStart::as_it_lies ? "`from = anywhere` searches all positions" : "");
   if (r.mirror_image_fits)
-    note("mirrored", "its mirror image fits the other surface, it does not itself: one of them is mirrored");
+    note("mirrored", "its mirror image fits the other surface better than it does: one of them is mirrored");
   else if (r.differing > kOtherShape)
     note("other_shape", fmt::format("it may be another shape: {:.0f} % of it beside the other surface are {} off, more "
                                     "than their noise explains",
@@ -71,26 +69,19 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kAlignResultRows[] = {
-    reported<&AlignResult::report>({.name = "alignment", .text = "How it was moved, and how it fits"}),
-    reported<[](const AlignResult& r) { return r.motion.rows(); }>(
-        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
-
-}  // namespace
-
 const ReportSchema& AlignResult::schema() {
-  static constexpr ReportSchema schema{kAlignResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&AlignResult::report>({.name = "alignment", .text = "Motion and quality of the fit"}),
+      reported<[](const AlignResult& r) { return r.motion.rows(); }>(
+          {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SurfaceAlignment& r) {
   const SimilarityMotion& m = r.motion;
-  const Vec3 axis = m.axis();
-  return {titled("turned by", fmt::format("{:.6g}° about ({:.4g}, {:.4g}, {:.4g}){}", m.angle(), axis.x, axis.y, axis.z,
+  return {titled("turned by", fmt::format("{:.6g}° about {}{}", m.angle(), point_words(m.axis(), 4),
                                           m.scale != 1 ? fmt::format(", scaled by {:.6g}", m.scale) : "")),
-          titled("its middle by", fmt::format("{}; all of it by {} (root mean square)", place_words(m.to - m.from),
+          titled("its middle by", fmt::format("{}; all of it by {} (root mean square)", point_words(m.to - m.from),
                                               length_words(r.moved))),
           titled("distance",
                  fmt::format("rms {}, half below {}, 95 % below {} (before: half below {})", length_words(r.rms),

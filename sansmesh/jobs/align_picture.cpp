@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/render/surface/picture_surfaces.h"
 
@@ -14,15 +15,14 @@ constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77
 
 Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress) {
   picture.look.use_colors = false;
-  std::vector<PictureSurface> surfaces;
-  std::vector<Vec3> places;
+  std::vector<SceneFactory> surfaces;
+  std::vector<Vec3> framed;
   for (const TriangleMesh* const mesh : {&aligned.moved, aligned.fixed.get()}) {
     picture.look.surface_color = mesh == &aligned.moved ? kMovedColor : kFixedColor;
-    surfaces.push_back(surface_in_picture(*mesh, picture));
-    for (const Vec3f& p : mesh->vertices)
-      if (is_finite(p)) places.push_back(mesh->origin + Vec3(p));
+    surfaces.push_back(scene_factory(*mesh, picture));
+    add_finite_points(mesh->origin, mesh->vertices, framed);
   }
-  return render_surfaces(surfaces, places, false, picture, progress);
+  return render_surfaces(surfaces, framed, false, picture, progress);
 }
 
 }  // namespace sansmesh::inline v1

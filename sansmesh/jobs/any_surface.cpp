@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
@@ -17,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The distance to a mesh that it keeps.
+/// Distance to a mesh, with the mesh.
 struct KeptDistance {
   std::shared_ptr<const TriangleMesh> mesh;
   std::unique_ptr<SignedDistance> distance;
@@ -77,10 +78,7 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
 Box3 AnySurface::bounds() const {
   if (isosurface_) return field_->bounds();
   if (function_) return function_->bounds();
-  Box3 box;
-  for (const Vec3f& p : mesh_->vertices)
-    if (is_finite(p)) box.extend(mesh_->origin + Vec3(p));
-  return box;
+  return finite_bounds(mesh_->origin, mesh_->vertices);
 }
 
 std::shared_ptr<const SignedDistance> AnySurface::distance(Progress& progress, std::vector<Note>& notes) const {

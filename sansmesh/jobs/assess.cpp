@@ -19,11 +19,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSamples = 300'000, kSamplesOfOthers = 5'000;
-/// Surfaces that differ in size by more than this are not of the same thing.
+/// Size ratio above which the units are probably different.
 constexpr double kOtherUnit = 100;
 
-/// How many to take. From the middle of a much larger surface all of it is about as near, so that each sample there
-/// costs as much as all of its triangles: a few tell as much.
+/// Number of samples. From the middle of a much larger surface, all of the surface is at nearly the same distance, so
+/// each sample costs as much as all triangles; few samples suffice.
 std::size_t samples_for(const AssessOptions& options, const TriangleMesh& mesh, const TriangleMesh& reference,
                         std::vector<Note>& notes) {
   const double own = bounds(mesh).diagonal(), other = bounds(reference).diagonal();
@@ -32,8 +32,7 @@ std::size_t samples_for(const AssessOptions& options, const TriangleMesh& mesh, 
   if (!(ratio > kOtherUnit) || !std::isfinite(ratio)) return options.samples.value_or(kSamples);
   notes.push_back({.code = "other_unit",
                    .text = fmt::format("{:.4g} times as {} as the reference: are both in the same unit?", ratio,
-                                       larger ? "large" : "small"),
-                   .remedy = {}});
+                                       larger ? "large" : "small")});
   return options.samples.value_or(kSamplesOfOthers);
 }
 
@@ -43,8 +42,7 @@ const OptionSchema& AssessOptions::schema() {
   using O = AssessOptions;
   static constexpr OptionRow rows[] = {
       option<&O::samples>({.text = "Samples on each mesh", .from_data = "300000", .range = {1, 2'000'000'000}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void AssessOptions::validate() const { validate_options(*this); }
@@ -77,30 +75,25 @@ AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptio
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kAssessReportRows[] = {
-    reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
-        {.name = "surface.points", .text = "Points, of what has no triangles"}),
-    reported<&AssessReport::topology>({.text = "How the triangles hang together"}),
-    reported<&AssessReport::quality>({.text = "Shapes of the triangles"}),
-    reported<[](const AssessReport& r) {
-      return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
-    }>({.name = "quality.volume", .text = "Volume, of what is closed", .unit = "length³"}),
-    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->to_reference) : std::nullopt; }>(
-        {.name = "to_reference", .text = "Distances to the reference: accuracy"}),
-    reported<[](const AssessReport& r) {
-      return r.distance ? std::optional(r.distance->from_reference) : std::nullopt;
-    }>({.name = "from_reference", .text = "Distances from the reference: completeness"}),
-    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->diagonal) : std::nullopt; }>(
-        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-    reported<&AssessReport::coverage>({.text = "Samples without a surface, and surface without samples"})};
-
-}  // namespace
-
 const ReportSchema& AssessReport::schema() {
-  static constexpr ReportSchema schema{kAssessReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const AssessReport& r) { return value_if(!r.topology, r.vertices); }>(
+          {.name = "surface.points", .text = "Points, if there are no triangles"}),
+      reported<&AssessReport::topology>({.text = "Connectivity of the triangles"}),
+      reported<&AssessReport::quality>({.text = "Shape quality of the triangles"}),
+      reported<[](const AssessReport& r) {
+        return value_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
+      }>({.name = "quality.volume", .text = "Volume, if the mesh is closed", .unit = "length³"}),
+      reported<[](const AssessReport& r) {
+        return r.distance ? std::optional(r.distance->to_reference) : std::nullopt;
+      }>({.name = "to_reference", .text = "Distances to the reference: accuracy"}),
+      reported<[](const AssessReport& r) {
+        return r.distance ? std::optional(r.distance->from_reference) : std::nullopt;
+      }>({.name = "from_reference", .text = "Distances from the reference: completeness"}),
+      reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->diagonal) : std::nullopt; }>(
+          {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+      reported<&AssessReport::coverage>({.text = "Samples without a surface, and surface without samples"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -109,7 +102,7 @@ namespace {
 std::string far_words(const FarPlaces& f, const char* of, const char* from) {
   return fmt::format("{} of the {}: farther than {} from {}{}",
                      f.share > 0 && f.share < 5e-5 ? "less than 0.01 %" : fmt::format("{:.2f} %", 100 * f.share), of,
-                     length_words(f.beyond), from, f.most ? ", most of it around " + place_words(*f.most) : "");
+                     length_words(f.beyond), from, f.most ? ", most of it around " + point_words(*f.most) : "");
 }
 
 }  // namespace

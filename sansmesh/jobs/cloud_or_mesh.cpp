@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of a cloud the samples of which there are rows.
+/// Keeps only these samples of a cloud.
 void take(CloudOrMesh& data, const std::vector<std::uint32_t>& rows) {
   if (rows.size() < data.points.size()) data.points = take_samples(data.points, rows);
 }
@@ -66,8 +66,7 @@ CloudOrMesh::CloudOrMesh(PointSet read) : is_mesh(!read.triangles.empty()) {
 
 std::string CloudOrMesh::size_words() const {
   if (!is_mesh) return counted(points.size(), "point");
-  return fmt::format("{} {}, {}", grouped(mesh.vertices.size()), mesh.vertices.size() == 1 ? "vertex" : "vertices",
-                     counted(mesh.triangles.size(), "triangle"));
+  return counted(mesh.vertices.size(), "vertex") + ", " + counted(mesh.triangles.size(), "triangle");
 }
 
 Box3 CloudOrMesh::bounds() const {
@@ -135,15 +134,15 @@ std::string crop_to_box(CloudOrMesh& data, const Box3& box, bool inside) {
   return left_of(before, data);
 }
 
-std::string weld_places(CloudOrMesh& data, double distance) {
+std::string weld_points(CloudOrMesh& data, double distance) {
   const std::size_t before = data.size();
   if (data.is_mesh) {
     const WeldReport report = weld_vertices(data.mesh, distance);
     data.nonmanifold_edges_of_weld += report.nonmanifold_edges;
-    return fmt::format(
-        "{} became one with others{}", counted(report.vertices, report.vertices == 1 ? "vertex" : "vertice"),
-        report.triangles > 0 ? fmt::format(", {} without area gone", counted(report.triangles, "triangle"))
-                             : std::string());
+    return fmt::format("{} merged with others{}", counted(report.vertices, "vertex"),
+                       report.triangles > 0
+                           ? fmt::format(", {} without area dropped", counted(report.triangles, "triangle"))
+                           : std::string());
   }
   if (distance == 0) {
     remove_samples(data.points, find_duplicates(data.points));
@@ -187,7 +186,7 @@ std::string flip_sides(CloudOrMesh& data, bool faces, bool normals) {
   if (faces)
     for (Triangle& t : data.mesh.triangles) std::swap(t[1], t[2]);
   if (normals)
-    for (Vec3f& n : directions) n = Vec3f{} - n;  // without -0
+    for (Vec3f& n : directions) n = Vec3f{} - n;  // avoids -0
   return "";
 }
 

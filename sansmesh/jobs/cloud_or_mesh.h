@@ -1,4 +1,4 @@
-// A cloud or a mesh, and what can be done to either.
+// Operations on a cloud or a mesh.
 #pragma once
 
 #include <cstddef>
@@ -13,29 +13,29 @@
 
 namespace sansmesh::inline v1 {
 
-// Each changes the data and returns what is to be said, if anything; throws DataError where that cannot be done.
+// Each changes the data and returns a remark, which may be empty; throws DataError if the operation fails.
 
-/// Moves everything that is known to be a place or a direction.
+/// Applies a map to all positions and known directions.
 std::string move_all(CloudOrMesh& data, const AffineMap& map);
 
-/// What lies in the box, or outside of it; meshes are cut.
+/// Keeps the part inside or outside the box; meshes are cut.
 std::string crop_to_box(CloudOrMesh& data, const Box3& box, bool inside);
 
-/// Makes one of vertices (or points) no farther apart than this.
-std::string weld_places(CloudOrMesh& data, double distance);
+/// Merges vertices (or points) no farther apart than this.
+std::string weld_points(CloudOrMesh& data, double distance);
 
-/// Of a cloud points no two of which are closer than this.
+/// Thins a cloud so that no two points are closer than this.
 std::string keep_apart(CloudOrMesh& data, double distance);
 
-/// Of a cloud so many, drawn by chance.
+/// Thins a cloud to `count` random points.
 std::string keep_count(CloudOrMesh& data, std::size_t count);
 
-/// Of a cloud the first of every n.
+/// Keeps the first of every n points of a cloud.
 std::string keep_every(CloudOrMesh& data, std::size_t n);
 
 std::string flip_sides(CloudOrMesh& data, bool faces, bool normals);
 
-/// Keeps or drops the normals, colours and attributes that the list names.
+/// Keeps or drops the listed normals, colours and attributes.
 std::string choose_attributes(CloudOrMesh& data, const std::vector<std::string>& names, bool keep);
 
 }  // namespace sansmesh::inline v1

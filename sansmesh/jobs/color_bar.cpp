@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/color_bar.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kBarSteps = 16;         // of each half of the bar, in which colours are mixed
-constexpr double kRare = 0.01;        // of the values, at each end of the bar
-constexpr double kWithSign = 0.05;    // of the larger side, on the smaller one
-constexpr int kLeastBesideOne = 100;  // pixels that are left beside the bar
+constexpr int kBarSteps = 16;       // colour samples per half of the bar
+constexpr double kRare = 0.01;      // share of the values clipped at each end of the bar
+constexpr double kWithSign = 0.05;  // share of the larger side that makes the smaller side significant
+constexpr int kLeastBeside = 100;   // least width of the picture beside a bar or legend, pixels
 constexpr Vec3f kUnknown{0.55f, 0.55f, 0.55f};
 
 TransferFunction colors_over(double lower, double upper, Vec3f (*color)(float)) {
@@ -63,16 +63,16 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
                             const std::optional<std::pair<double, double>>& range, const std::string& unit) {
   const Attribute* const found = mesh.attributes.find(name);
   if (!found) {
-    std::string known;
-    for (const Attribute& a : mesh.attributes) known += (known.empty() ? "" : ", ") + a.name;
-    throw DataError(fmt::format("has no attribute {}: {}", printable(name, 40),
-                                known.empty() ? "there is none" : "there is " + known));
+    std::vector<std::string> names;
+    for (const Attribute& a : mesh.attributes) names.push_back(a.name);
+    throw DataError(fmt::format("has no attribute {}: there is {}", printable(name, 40),
+                                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
   const std::size_t n = mesh.vertices.size(), components = found->components;
   const std::vector<double> values = sizes_of(*found);
   std::vector<double> known;
   std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return std::isfinite(v); });
-  if (known.empty()) throw DataError(fmt::format("{} is nowhere a number", name));
+  if (known.empty()) throw DataError(fmt::format("{} has no finite value", name));
   std::sort(known.begin(), known.end());
   ValueHistogram over;
   bool signs = false;
@@ -95,33 +95,33 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
   bar.title = with_unit(name + (components > 1 ? " (magnitude)" : ""), unit);
   bar.ends = {known.front() < over.lower, known.back() > over.upper};
   mesh.colors.resize(n);
-  for (std::size_t v = 0; v < n; ++v) {
-    const Vec3f color = std::isfinite(values[v]) ? bar.colors.color(values[v]) : kUnknown;
-    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = to_byte(color[k]);
-  }
+  for (std::size_t v = 0; v < n; ++v)
+    mesh.colors[v] = to_bytes(std::isfinite(values[v]) ? bar.colors.color(values[v]) : kUnknown);
   return bar;
 }
 
-void check_room_beside(const RenderOptions& picture, int bar, std::string_view what) {
-  if (bar > 0 && picture.view.width < bar + kLeastBesideOne)
-    throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its {}, or more",
-                                    picture.view.width, picture.view.height, bar + kLeastBesideOne, what));
+void check_room_beside(const RenderOptions& picture, const ColorBar& bar, std::string_view what) {
+  const int width = bar.width(picture.view.height);
+  if (width > 0 && picture.view.width < width + kLeastBeside)
+    throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high needs {} or more with its {}",
+                                    picture.view.width, picture.view.height, width + kLeastBeside, what));
 }
 
-void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
-  if (!bar) return;
-  const int width = value_bar_width(options.view.height, bar->colors, bar->title);
-  if (width > 0 && options.view.width < width + kLeastBesideOne)
-    throw ArgumentError(
-        fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
-                    options.view.width, width));
+void reserve_width(RenderOptions& options, int width, std::string_view what, std::string_view option) {
+  if (width > 0 && options.view.width < width + kLeastBeside)
+    throw ArgumentError(fmt::format("`width = {}` is too narrow: {} of it are for {} (omitted by `{} = false`)",
+                                    options.view.width, width, what, option));
   options.view.width -= width;
+}
+
+void reserve_width(RenderOptions& options, const std::optional<ColorBar>& bar) {
+  if (bar) reserve_width(options, bar->width(options.view.height), "the colour bar", "bar");
 }
 
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture) {
   if (!bar) return image;
-  const Image paper = paper_beside(picture);
-  return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
+  const Image paper = annotation_background(picture);
+  return with_color_bar(image, bar->colors, bar->title, bar->marks, &paper, bar->ends);
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// What colours in a picture stand for, beside it.
+// Colour bars beside pictures.
 #pragma once
 
 #include <optional>
@@ -18,30 +18,37 @@
 
 namespace sansmesh::inline v1 {
 
-/// The bar of colours beside a picture.
+/// Colour bar beside a picture.
 struct ColorBar {
   TransferFunction colors;
   std::string title;
-  BarEnds ends;
+  BarEnds ends = {};
+  std::vector<double> marks = {};
+
+  /// Width in pixels beside a picture of that height.
+  int width(int height) const { return color_bar_width(height, colors, title); }
 };
-/// That of curvatures up to `range`, in the input's lengths. `beyond`: there are others.
+/// Bar of curvatures up to `range`, in the input's lengths. `beyond`: there are larger ones.
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);
-/// Numbers at a bar may be as wide as those of −range..range with this.
+/// A range whose numbers take the most space at a bar.
 inline constexpr double kWidestNumbers = 1.2e-100;
-/// Throws ArgumentError unless such a picture has room for a bar of so many pixels, which is called so.
-void check_room_beside(const RenderOptions& picture, int bar, std::string_view what);
-/// Makes room for a bar in the width of the picture. Throws ArgumentError where there is none.
-void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar);
-/// A number for each row: of vectors their length.
+/// Throws ArgumentError unless the picture has space for the bar, which errors call `what`.
+void check_room_beside(const RenderOptions& picture, const ColorBar& bar, std::string_view what);
+/// Reserves part of the picture's width for `what`, which `option = false` omits. Throws ArgumentError if too little is
+/// left.
+void reserve_width(RenderOptions& options, int width, std::string_view what, std::string_view option);
+/// Reserves the width of a bar, if there is one.
+void reserve_width(RenderOptions& options, const std::optional<ColorBar>& bar);
+/// One number per row; the length for vectors.
 std::vector<double> sizes_of(const Attribute& attribute);
-/// Colours the vertices by the attribute of that name, of vectors by their lengths; grey where it is not known.
-/// `range`: what gets the colours at the ends; default: all of it but for one in a hundred at each end, symmetric where
-/// there are both signs. Throws DataError where there is none of that name, or nothing is known.
+/// Colours the vertices by an attribute, by the length for vectors; undefined values are grey. `range`: values at the
+/// ends; default: all values except one hundredth at each end, symmetric if both signs occur. Throws DataError if there
+/// is no such attribute or it has no finite value.
 ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
                             const std::optional<std::pair<double, double>>& range, const std::string& unit);
-/// The colours that an attribute `confidence` has in pictures, 0..1.
+/// Colours of the attribute `confidence` in pictures, 0..1.
 ColorBar confidence_bar();
-/// The picture with the bar, if there is one, on the background of the options that it was made with.
+/// Adds the bar, if any, to the picture, on the picture's background.
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture);
 
 }  // namespace sansmesh::inline v1

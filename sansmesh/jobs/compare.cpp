@@ -21,7 +21,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Edges longer than this part of the diagonal make a map of vertices a coarse one.
+/// Mean edge length, as a share of the diagonal, above which a map of vertices is coarse.
 constexpr double kCoarse = 0.02;
 
 bool is_coarse(const TriangleMesh& mesh, double diagonal) {
@@ -31,7 +31,7 @@ bool is_coarse(const TriangleMesh& mesh, double diagonal) {
   return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
 }
 
-/// Cuts large triangles up if that is asked for.
+/// Splits large triangles if requested.
 void refine(TriangleMesh& mesh, const std::string& name, const std::optional<double>& edge, double diagonal,
             Progress& progress, std::vector<Note>& notes) {
   if (edge) {
@@ -40,7 +40,6 @@ void refine(TriangleMesh& mesh, const std::string& name, const std::optional<dou
       notes.push_back(
           {.code = "edges_stay_long",
            .text = fmt::format("edges stay longer than {}: more than 20 million triangles", length_words(*edge)),
-           .remedy = {},
            .of = name});
   } else if (is_coarse(mesh, diagonal)) {
     notes.push_back({.code = "coarse",
@@ -63,15 +62,14 @@ const OptionSchema& CompareOptions::schema() {
           {.text = "First halve edges of the mapped mesh until none is longer", .unit = "length", .range = positive()}),
       option<&O::align>({.text = "First move the part onto the reference"}),
       option_group<&O::alignment>(SurfaceAlignmentOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void CompareOptions::validate() const {
   validate_options(*this);
   if (align) return;
   if (const auto set = options_set(alignment); !set.empty())
-    throw ArgumentError(fmt::format("`{}` means nothing without `align`", set.front()));
+    throw ArgumentError(fmt::format("`{}` needs `align`", set.front()));
 }
 
 CompareResult compare(const AnySurface& part, const AnySurface& reference, const CompareOptions& options,
@@ -87,7 +85,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   if (options.align) {
     AlignResult aligned = sansmesh::align(part, reference, options.alignment, progress);
     moved = AnySurface(std::move(aligned.moved), part.name());
-    // So that the mesh of an isosurface is made once.
+    // avoids meshing the isosurface twice
     if (reference.kind() == AnySurface::Kind::isosurface) still = AnySurface(*aligned.fixed, reference.name());
     r.alignment = std::move(aligned.report);
     r.motion = aligned.motion;
@@ -108,40 +106,27 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   if (!result.map.has_sides)
     result.notes.push_back({.code = "no_sign",
                             .text = "distances have no sign: " + other.name() + " is points without normals",
-                            .remedy = {},
                             .of = mapped.name()});
   apply_map(result.mesh, result.map, result.map.statistics.range);
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kCompareReportRows[] = {
-    reported<&CompareReport::on>({.text = "Side on which the map lies", .choices = kSideWords}),
-    reported<&CompareReport::within>({.text = "Tolerance that was asked for", .unit = "length"}),
-    reported<&CompareReport::diagonal>(
-        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-    reported<&CompareReport::alignment>({.text = "How the part was moved first"}),
-    reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
-        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
-
-}  // namespace
-
 const ReportSchema& CompareReport::schema() {
-  static constexpr ReportSchema schema{kCompareReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CompareReport::on>({.text = "Side that carries the map", .choices = kSideWords}),
+      reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
+      reported<&CompareReport::diagonal>(
+          {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+      reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
+      reported<[](const CompareReport& r) { return value_if(r.alignment.has_value(), r.motion.rows()); }>(
+          {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kCompareResultRows[] = {reported_beside<&CompareResult::map>(),
-                                            reported_beside<&CompareResult::report>()};
-
-}  // namespace
-
 const ReportSchema& CompareResult::schema() {
-  static constexpr ReportSchema schema{kCompareResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported_beside<&CompareResult::map>(),
+                                       reported_beside<&CompareResult::report>()};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -156,10 +141,10 @@ void add_statistics(const DistanceMap& map, const std::optional<double>& toleran
   line("absolute", fmt::format("mean {}, rms {}, 95 % below {}", length_words(s.mean_absolute), length_words(s.rms),
                                length_words(s.p95_absolute)));
   if (map.has_sides && s.lowest < 0)
-    line("farthest inside", fmt::format("{:+.4g} at {}", s.lowest, place_words(s.lowest_at)));
+    line("farthest inside", fmt::format("{:+.4g} at {}", s.lowest, point_words(s.lowest_at)));
   if (s.highest > 0)
     line(map.has_sides ? "and outside" : "farthest",
-         fmt::format("{:+.4g} at {}", s.highest, place_words(s.highest_at)));
+         fmt::format("{:+.4g} at {}", s.highest, point_words(s.highest_at)));
   if (s.within_tolerance)
     line("tolerance", fmt::format("{:.3f} % within ±{}", 100 * *s.within_tolerance, length_words(*tolerance)));
 }

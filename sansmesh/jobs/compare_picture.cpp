@@ -4,8 +4,6 @@
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/pictures.h"
 
-#include <fmt/core.h>
-
 #include <vector>
 
 #include "sansmesh/error.h"
@@ -16,28 +14,26 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr const char* kDistanceTitle = "distance";
 constexpr int kScaleSteps = 16;
 
-/// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
-TransferFunction scale_of(double range, bool both_sides) {
-  TransferFunction scale;
+/// Scale of a map: distance_color from −range, or 0, to range.
+ColorBar scale_of(double range, bool both_sides, const std::string& unit) {
+  ColorBar bar{.colors = {}, .title = with_unit("distance", unit)};
+  TransferFunction& scale = bar.colors;
   for (int k = both_sides ? -kScaleSteps : 0; k <= kScaleSteps; ++k) {
     const double value = range * k / kScaleSteps;
     const auto [r, g, b] = distance_color(static_cast<float>(value), range);
     scale.colors.push_back({value, {from_byte(r), from_byte(g), from_byte(b)}});
   }
   scale.opacities = {{scale.colors.front().value, 1}, {scale.colors.back().value, 1}};
-  return scale;
+  return bar;
 }
 
 }  // namespace
 
 void check_map_picture(const RenderOptions& picture, const std::string& unit) {
   picture.validate();
-  const int scale =
-      value_bar_width(picture.view.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
-  check_room_beside(picture, scale, "scale");
+  check_room_beside(picture, scale_of(kWidestNumbers, true, unit), "scale");
 }
 
 MapPicture draw_map(const CompareResult& compared, const CompareOptions& options, const RenderOptions& picture,
@@ -45,17 +41,14 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   check_map_picture(picture, unit);
   const DistanceMap& map = compared.map;
   const DistanceStatistics& s = map.statistics;
-  const TransferFunction scale = scale_of(s.range, map.has_sides);
-  const std::string title = with_unit(kDistanceTitle, unit);
+  ColorBar scale = scale_of(s.range, map.has_sides, unit);
+  scale.ends = {map.has_sides && s.lowest<-s.range, s.highest> s.range};
+  if (const auto& most = options.map.within) scale.marks = {-*most, *most};
   MapPicture made{.image = {}, .made_with = picture};
   made.made_with.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   made.made_with.look.shadows = made.made_with.look.ground = false;
-  made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
-  std::vector<double> marks;
-  if (const auto& most = options.map.within) marks = {-*most, *most};
-  const Image paper = paper_beside(made.made_with);
-  made.image = beside_value_bar(render_mesh(compared.mesh, made.made_with, progress), scale, title, marks, &paper,
-                                {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
+  reserve_width(made.made_with, scale);
+  made.image = beside_bar(render_mesh(compared.mesh, made.made_with, progress), scale, made.made_with);
   return made;
 }
 

@@ -13,14 +13,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Does a step; what is to be said comes back.
-struct DoStep {
+/// Performs a step and returns its remark.
+struct ApplyStep {
   CloudOrMesh& data;
-  const std::string& unit;  ///< of the input
+  const std::string& unit;  ///< unit of the input
   AboutStep about_now = {};
 
-  std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
-    const AboutStep own{place, center}, &used = place || center ? own : about_now;
+  std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
+    const AboutStep own{point, center}, &used = point || center ? own : about_now;
     if (used.center) return move_all(data, map.about(data.bounds().center()));
     return move_all(data, used.place ? map.about(*used.place) : map);
   }
@@ -54,14 +54,14 @@ struct DoStep {
   std::string operator()(const CountStep& s) const { return keep_count(data, s.count); }
   std::string operator()(const EveryStep& s) const { return keep_every(data, s.every); }
   std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
-  std::string operator()(const WeldStep& s) const { return weld_places(data, s.distance); }
+  std::string operator()(const WeldStep& s) const { return weld_points(data, s.distance); }
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
 };
 
 /// "`box` leaves nothing …".
-std::string in_accents(std::string_view name) { return "`" + std::string(name) + "`"; }
+std::string in_backticks(std::string_view name) { return "`" + std::string(name) + "`"; }
 
-ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
+ConvertedBy apply_step(CloudOrMesh& data, const ConvertStep& step, ApplyStep& how) {
   ConvertedBy done{.step = step_name(step), .remark = {}, .triangles = {}};
   const Box3 box = data.bounds();
   const std::string before = data.size_words();
@@ -70,12 +70,11 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
   } catch (const DataError& error) {
     const std::string cause = error.what();
     const bool sentence = cause.starts_with("a ") || cause.starts_with("there ");
-    throw DataError(in_accents(done.step) + (sentence ? ": " : " ") + cause);
+    throw DataError(in_backticks(done.step) + (sentence ? ": " : " ") + cause);
   }
   if (data.size() == 0 || (data.is_mesh && data.mesh.triangles.empty()))
-    throw DataError(fmt::format(
-        "{} leaves nothing of {} between ({:.10g}, {:.10g}, {:.10g}) and ({:.10g}, {:.10g}, {:.10g})",
-        in_accents(done.step), before, box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+    throw DataError(fmt::format("{} leaves nothing of {} between {} and {}", in_backticks(done.step), before,
+                                point_words(box.lower, 10), point_words(box.upper, 10)));
   done.size = data.size();
   if (data.is_mesh) done.triangles = data.mesh.triangles.size();
   return done;
@@ -86,12 +85,11 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
   static const OptionRow rows[] = {
-      option<&O::vertices_only>({.text = "Of a mesh the vertices alone", .old_name = "points"}),
+      option<&O::vertices_only>({.text = "Only the vertices of a mesh", .old_name = "points"}),
       option<&O::unit>(
-          {.text = "Of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+          {.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
       option_steps<&O::steps>(convert_step_rows())};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ConvertOptions::validate() const {
@@ -113,7 +111,7 @@ void ConvertOptions::validate() const {
 void check_converted(const std::string& file, bool as_points) {
   const bool mesh = is_written(file, "mesh"), points = is_written(file, "points");
   if (!mesh && !points && is_read(file))
-    throw FileError(file, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
+    throw FileError(file, "this format is read, not written; use .ply, .vtp, .las or .csv");
   check_writable(file, mesh && !(as_points && points) ? "mesh" : "points");
 }
 
@@ -123,7 +121,6 @@ std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
     notes.push_back(
         {.code = "no_faces",
          .text = fmt::format("holds points only: {} left out", counted(data.mesh.triangles.size(), "triangle")),
-         .remedy = {},
          .of = file});
     data.make_points();
   }
@@ -148,7 +145,7 @@ void write_converted(const std::string& file, const CloudOrMesh& data, bool asci
 std::vector<std::string> summary_of(const ConvertReport& report) {
   std::vector<std::string> lines;
   for (const ConvertedBy& done : report.steps)
-    if (!done.remark.empty()) lines.push_back(in_accents(done.step) + ": " + done.remark);
+    if (!done.remark.empty()) lines.push_back(in_backticks(done.step) + ": " + done.remark);
   return lines;
 }
 
@@ -159,64 +156,50 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
   if (options.vertices_only) data.make_points();
-  DoStep how{data, options.unit};
+  ApplyStep how{data, options.unit};
   for (const ConvertStep& step : options.steps) {
     if (const auto* const about = std::get_if<AboutStep>(&step)) {
       how(*about);
       continue;
     }
     progress.begin(std::string(step_name(step)));
-    result.report.steps.push_back(do_step(data, step, how));
+    result.report.steps.push_back(apply_step(data, step, how));
   }
   if (data.nonmanifold_edges_of_weld > 0)
     result.notes.push_back(
         {.code = "nonmanifold_weld",
-         .text = fmt::format("`weld` has made {} of three triangles or more: the mesh is not manifold there",
-                             counted(data.nonmanifold_edges_of_weld, "edge")),
-         .remedy = {}});
+         .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
+                             counted(data.nonmanifold_edges_of_weld, "edge"))});
   if (!data.unturned.empty())
     result.notes.push_back({.code = "unturned",
-                            .text = fmt::format("attributes of three numbers are not turned: {}",
-                                                printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
-                            .remedy = {}});
+                            .text = fmt::format("attributes of three numbers are not rotated: {}",
+                                                printable(fmt::format("{}", fmt::join(data.unturned, ", "))))});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kConvertedByRows[] = {
-    reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points that there are after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices that there are after it"}),
-    reported<&ConvertedBy::triangles>({.text = "Triangles that there are after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
-        {.name = "remark", .text = "What became of the data, in words"})};
-
-}  // namespace
-
 const ReportSchema& ConvertedBy::schema() {
-  static constexpr ReportSchema schema{kConvertedByRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+      reported<[](const ConvertedBy& r) { return value_if(!r.triangles, r.size); }>(
+          {.name = "points", .text = "Points after it"}),
+      reported<[](const ConvertedBy& r) { return value_if(r.triangles.has_value(), r.size); }>(
+          {.name = "vertices", .text = "Vertices after it"}),
+      reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
+      reported<[](const ConvertedBy& r) { return value_if(!r.remark.empty(), r.remark); }>(
+          {.name = "remark", .text = "Effect on the data, as text"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kConvertReportRows[] = {
-    reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
-        {.name = "input.points", .text = "Points that came"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
-        {.name = "input.vertices", .text = "Vertices that came"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
-        {.name = "input.triangles", .text = "Triangles that came"}),
-    reported<&ConvertReport::steps>({.text = "Steps, one after the other"})};
-
-}  // namespace
-
 const ReportSchema& ConvertReport::schema() {
-  static constexpr ReportSchema schema{kConvertReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertReport& r) { return value_if(r.triangles == 0, r.size); }>(
+          {.name = "input.points", .text = "Points of the input"}),
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.size); }>(
+          {.name = "input.vertices", .text = "Vertices of the input"}),
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.triangles); }>(
+          {.name = "input.triangles", .text = "Triangles of the input"}),
+      reported<&ConvertReport::steps>({.text = "Steps in order"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,7 @@
 #include "sansmesh/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -10,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// The first three rows of its matrix, one after the other.
+/// The first three rows of the matrix, row by row.
 template <>
 struct schema_detail::Field<AffineMap> {
   static constexpr auto kind = OptionKind::numbers;
@@ -43,8 +45,7 @@ constexpr std::string_view kUpAxes[] = {"y", "z"};
 ArgumentError not_axes(std::string_view text) {
   return ArgumentError(ArgumentFault{.field = "axes",
                                      .value = "'" + printable(text, 60) + "'",
-                                     .allowed = "x, y and z in some order, each with or without '-': x,-z,y",
-                                     .remedy = {}});
+                                     .allowed = "x, y and z in some order, each with or without '-': x,-z,y"});
 }
 
 void validate_fields(const OptionSchema& schema, void* step) {
@@ -68,7 +69,7 @@ struct ValidateStep {
   void further(const RotateStep& s) const { AffineMap::rotation(s.axis, s.degrees); }
   void further(const ScaleStep& s) const {
     for (std::size_t k = 0; k < 3; ++k)
-      if (s.factors[k] == 0) throw ArgumentError("`scale` by 0 flattens everything");
+      if (s.factors[k] == 0) throw ArgumentError("`scale` by 0 makes everything flat");
   }
   void further(const AxesStep& s) const { axes_map(s.axes); }
   void further(const UnitStep& s) const {
@@ -76,7 +77,7 @@ struct ValidateStep {
     meters_of_unit(s.to);
   }
   void further(const CropStep& s) const {
-    if (s.box.empty()) throw ArgumentError("a box has the least x, y, z first, and the largest after them");
+    if (s.box.empty()) throw ArgumentError("a box has the least x,y,z first, then the largest");
   }
 };
 
@@ -105,13 +106,14 @@ AffineMap axes_map(std::string_view text) {
 }
 
 double meters_of_unit(std::string_view name) {
-  std::string known;
+  std::vector<std::string_view> known;
   for (const UnitOfLength& u : kUnitsOfLength) {
     if (name == u.name) return u.meters;
-    known += (known.empty() ? "" : ", ") + std::string(u.name);
+    known.push_back(u.name);
   }
-  throw ArgumentError(ArgumentFault{
-      .field = "unit", .value = "'" + printable(name, 60) + "'", .allowed = "one of " + known, .remedy = {}});
+  throw ArgumentError(ArgumentFault{.field = "unit",
+                                    .value = "'" + printable(name, 60) + "'",
+                                    .allowed = fmt::format("one of {}", fmt::join(known, ", "))});
 }
 
 std::string_view step_name(const ConvertStep& step) {
@@ -143,24 +145,21 @@ void validate_step(const ConvertStep& step) { std::visit(ValidateStep(), step); 
 const OptionSchema& AboutStep::schema() {
   using O = AboutStep;
   static constexpr OptionRow rows[] = {
-      option<&O::place>({.text = "What stays where it is", .unit = "length", .from_data = "0,0,0"}),
-      option<&O::center>({.text = "The middle of the box stays where it is", .excludes = "place"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&O::place>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
+      option<&O::center>({.text = "The centre of the bounding box is fixed", .excludes = "place"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& TransformStep::schema() {
   using O = TransformStep;
   static constexpr OptionRow rows[] = {option<&O::map>({.text = "3 rows of 4 numbers", .name = "matrix"}),
-                                       option<&O::inverse>({.text = "By its inverse"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+                                       option<&O::inverse>({.text = "Apply the inverse"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& TranslateStep::schema() {
-  static constexpr OptionRow rows[] = {option<&TranslateStep::by>({.text = "How far", .unit = "length"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  static constexpr OptionRow rows[] = {option<&TranslateStep::by>({.text = "Translation", .unit = "length"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& CenterStep::schema() {
@@ -172,33 +171,29 @@ const OptionSchema& RotateStep::schema() {
   using O = RotateStep;
   static constexpr OptionRow rows[] = {
       option<&O::axis>({.text = "Axis"}), option<&O::degrees>({.text = "Angle", .unit = "degrees"}),
-      option<&O::about>({.text = "What stays where it is", .unit = "length", .from_data = "0,0,0"}),
-      option<&O::about_center>({.text = "The middle of the box stays where it is", .excludes = "about"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&O::about>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
+      option<&O::about_center>({.text = "The centre of the bounding box is fixed", .excludes = "about"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& ScaleStep::schema() {
   using O = ScaleStep;
   static constexpr OptionRow rows[] = {
-      option<&O::factors>({.text = "A factor for each axis, none of them 0"}),
-      option<&O::about>({.text = "What stays where it is", .unit = "length", .from_data = "0,0,0"}),
-      option<&O::about_center>({.text = "The middle of the box stays where it is", .excludes = "about"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&O::factors>({.text = "One factor per axis, none of them 0"}),
+      option<&O::about>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
+      option<&O::about_center>({.text = "The centre of the bounding box is fixed", .excludes = "about"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& AxesStep::schema() {
   static constexpr OptionRow rows[] = {
-      option<&AxesStep::axes>({.text = "Which axes the new x, y and z are, such as x,-z,y"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&AxesStep::axes>({.text = "Axes that become the new x, y and z: x,-z,y"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& UpStep::schema() {
-  static constexpr OptionRow rows[] = {option<&UpStep::to>({.text = "The axis that points up", .choices = kUpAxes})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  static constexpr OptionRow rows[] = {option<&UpStep::to>({.text = "Axis that points up", .choices = kUpAxes})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& UnitStep::schema() {
@@ -206,67 +201,58 @@ const OptionSchema& UnitStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::from>({.text = "Unit of lengths before", .from_data = "that of the input"}),
       option<&O::to>({.text = "Unit of lengths after"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& CropStep::schema() {
   using O = CropStep;
   static constexpr OptionRow rows[] = {option<&O::box>({.text = "Least and largest coordinates", .unit = "length"}),
-                                       option<&O::inside>({.text = "What lies in it, or else outside"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+                                       option<&O::inside>({.text = "Keep the inside; otherwise the outside"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& SpacingStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&SpacingStep::distance>({.text = "Least distance", .unit = "length", .range = positive()})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& CountStep::schema() {
-  static constexpr OptionRow rows[] = {option<&CountStep::count>({.text = "Points that stay", .range = kSome})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  static constexpr OptionRow rows[] = {option<&CountStep::count>({.text = "Number of points to keep", .range = kSome})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& EveryStep::schema() {
   static constexpr OptionRow rows[] = {
-      option<&EveryStep::every>({.text = "Points of which the first stays", .range = kSome})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&EveryStep::every>({.text = "Keep one of this many points", .range = kSome})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& ChooseStep::schema() {
   using O = ChooseStep;
   static constexpr OptionRow rows[] = {option<&O::names>({.text = "normals, colors and names of attributes"}),
-                                       option<&O::keep>({.text = "Only these, or else all but these"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+                                       option<&O::keep>({.text = "Keep only these; otherwise drop them"})};
+  return option_schema<rows>();
 }
 
 const OptionSchema& WeldStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&WeldStep::distance>({.text = "Largest distance", .unit = "length", .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& FlipStep::schema() {
   using O = FlipStep;
-  static constexpr OptionRow rows[] = {option<&O::faces>({.text = "Turn faces over"}),
-                                       option<&O::normals>({.text = "Turn normals round"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  static constexpr OptionRow rows[] = {option<&O::faces>({.text = "Reverse faces"}),
+                                       option<&O::normals>({.text = "Reverse normals"})};
+  return option_schema<rows>();
 }
 
 namespace {
 
-/// A text that is not as it has to be; which step that is, set_option adds.
+/// Error in the text of a step; set_option adds the name of the step.
 ArgumentError step_must_be(const std::string& allowed, const std::string& text) {
-  return ArgumentError(
-      ArgumentFault{.field = {}, .value = "'" + printable(text, 60) + "'", .allowed = allowed, .remedy = {}});
+  return ArgumentError(ArgumentFault{.field = {}, .value = "'" + printable(text, 60) + "'", .allowed = allowed});
 }
 
 const std::string& text_in(const OptionValue& value) { return std::get<std::string>(value); }
@@ -315,7 +301,7 @@ ConvertStep choice_of(const OptionValue& value, bool keep) {
   return ChooseStep{.names = between_commas(text_in(value)), .keep = keep};
 }
 
-/// The step, which can be done as far as that is known.
+/// Row that makes and validates a step.
 template <auto make>
 constexpr OptionRow step_row(OptionKind kind, const OptionFacts& facts, int count = 1) {
   return option_step<ConvertStep, [](const OptionValue& value) {
@@ -327,87 +313,77 @@ constexpr OptionRow step_row(OptionKind kind, const OptionFacts& facts, int coun
 
 constexpr OptionRow kStepRows[] = {
     step_row<[](const OptionValue& v) { return transform_of(v, false); }>(
-        OptionKind::text, {.text = "By the 4 × 4 matrix in this file: 4 rows of 4 numbers, or JSON",
+        OptionKind::text, {.text = "Apply the 4 × 4 matrix in this file: 4 rows of 4 numbers, or JSON",
                            .unit = "file",
                            .name = "transform"}),
     step_row<[](const OptionValue& v) { return transform_of(v, true); }>(
-        OptionKind::text, {.text = "By the inverse of such a matrix", .unit = "file", .name = "inverse_transform"}),
+        OptionKind::text, {.text = "Apply the inverse of such a matrix", .unit = "file", .name = "inverse_transform"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return TranslateStep{schema_detail::Field<Vec3>::from(v)}; }>(
-        OptionKind::numbers, {.text = "By x,y,z; loses no digit, however far", .unit = "length", .name = "translate"},
-        3),
+        OptionKind::numbers,
+        {.text = "Move by x,y,z, without loss of precision", .unit = "length", .name = "translate"}, 3),
     step_row<[](const OptionValue&) -> ConvertStep { return CenterStep{}; }>(
-        OptionKind::flag, {.text = "The middle of the box around everything to 0,0,0", .name = "center"}),
-    step_row<rotation_of>(
+        OptionKind::flag, {.text = "Move the centre of the bounding box to 0,0,0", .name = "center"}),
+    step_row<rotation_of>(OptionKind::text, {.text = "Rotate about an axis, counter-clockwise: z,90 or x,y,z,degrees",
+                                             .unit = "axis,degrees",
+                                             .name = "rotate"}),
+    step_row<scaling_of>(
         OptionKind::text,
-        {.text = "About an axis, counter-clockwise: z,90 or x,y,z,degrees", .unit = "axis,degrees", .name = "rotate"}),
-    step_row<scaling_of>(OptionKind::text,
-                         {.text = "By a factor, or by one for each axis (negative ones mirror, and turn faces over)",
-                          .unit = "factor",
-                          .name = "scale"}),
+        {.text = "Scale by a factor, or by one per axis; negative factors mirror", .unit = "factor", .name = "scale"}),
     step_row<about_of>(
         OptionKind::text,
-        {.text = "What stays where it is by `rotate` and `scale` after this: x,y,z or center, the middle of the box as "
-                 "it then is",
+        {.text = "Fixed point of later `rotate` and `scale`: x,y,z or center, the centre of the current bounding "
+                 "box",
          .unit = "place",
          .from_data = "0,0,0",
          .name = "about"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return AxesStep{text_in(v)}; }>(
         OptionKind::text,
-        {.text = "Which axes the new x, y and z are: y,x,z swaps two (a mirror image), x,-z,y turns y up into z up",
+        {.text = "Axes that become the new x, y and z: y,x,z swaps two (a mirror image), x,-z,y rotates y up into z up",
          .unit = "axes",
          .name = "new_axes",
          .old_name = "axes"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return UpStep{static_cast<StepUp>(whole_in(v))}; }>(
-        OptionKind::choice, {.text = "z: what pointed up along y points up along z; y: the other way",
-                             .unit = "axis",
-                             .choices = kUpAxes,
-                             .name = "up"}),
+        OptionKind::choice,
+        {.text = "Up axis: z rotates y up into z up, y the reverse", .unit = "axis", .choices = kUpAxes, .name = "up"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return UnitStep{.from = {}, .to = text_in(v)}; }>(
-        OptionKind::text, {.text = "Of the output's lengths", .unit = "unit", .name = "to_unit"}),
+        OptionKind::text, {.text = "Unit of the output's lengths", .unit = "unit", .name = "to_unit"}),
     step_row<[](const OptionValue& v) { return crop_of(v, true); }>(
         OptionKind::numbers,
-        {.text = "Only what lies in this box; meshes are cut along it",
-         .unit = "length",
-         .name = "box",
-         .old_name = "crop"},
+        {.text = "Keep the inside of this box; meshes are cut", .unit = "length", .name = "box", .old_name = "crop"},
         6),
     step_row<[](const OptionValue& v) { return crop_of(v, false); }>(
         OptionKind::numbers,
-        {.text = "Only what lies outside of this box", .unit = "length", .name = "outside_box", .old_name = "crop_out"},
-        6),
+        {.text = "Keep the outside of this box", .unit = "length", .name = "outside_box", .old_name = "crop_out"}, 6),
     step_row<[](const OptionValue& v) -> ConvertStep { return SpacingStep{real_in(v)}; }>(
-        OptionKind::real,
-        {.text =
-             "Fewer points: no two closer than this, and none missing that would be farther from all (Poisson discs)",
-         .unit = "length",
-         .range = positive(),
-         .name = "point_spacing",
-         .old_name = "spacing"}),
+        OptionKind::real, {.text = "Thin points until no two are closer than this (Poisson disc sampling)",
+                           .unit = "length",
+                           .range = positive(),
+                           .name = "point_spacing",
+                           .old_name = "spacing"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return CountStep{whole_in(v)}; }>(
-        OptionKind::whole, {.text = "Fewer points: so many, drawn by chance (always the same ones)",
+        OptionKind::whole, {.text = "Thin points to this number, at random with a fixed seed",
                             .range = kSome,
                             .name = "point_count",
                             .old_name = "count"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return EveryStep{whole_in(v)}; }>(
-        OptionKind::whole, {.text = "Fewer points: the first of every so many", .range = kSome, .name = "every"}),
+        OptionKind::whole, {.text = "Thin points to every n-th", .range = kSome, .name = "every"}),
     step_row<[](const OptionValue& v) { return choice_of(v, true); }>(
-        OptionKind::text, {.text = "Of normals, colors and attributes only these, with commas between them",
+        OptionKind::text, {.text = "Keep only these normals, colors and attributes, separated by commas",
                            .unit = "names",
                            .name = "keep"}),
     step_row<[](const OptionValue& v) { return choice_of(v, false); }>(
-        OptionKind::text, {.text = "All but these", .unit = "names", .name = "drop"}),
+        OptionKind::text, {.text = "Drop these normals, colors and attributes", .unit = "names", .name = "drop"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return WeldStep{real_in(v)}; }>(
-        OptionKind::real,
-        {.text = "Vertices (or points) no farther than this from each other become one; 0: those at the same place",
-         .unit = "length",
-         .range = at_least(0),
-         .name = "weld"}),
+        OptionKind::real, {.text = "Merge vertices (or points) no farther apart than this; 0 merges coincident ones",
+                           .unit = "length",
+                           .range = at_least(0),
+                           .name = "weld"}),
     step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{}; }>(
-        OptionKind::flag, {.text = "Turn faces over, and normals around", .name = "flip"}),
+        OptionKind::flag, {.text = "Reverse faces and normals", .name = "flip"}),
     step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = true, .normals = false}; }>(
-        OptionKind::flag, {.text = "Turn faces over, and leave normals", .name = "flip_faces"}),
+        OptionKind::flag, {.text = "Reverse faces only", .name = "flip_faces"}),
     step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = false, .normals = true}; }>(
-        OptionKind::flag, {.text = "Turn normals around, and leave faces", .name = "flip_normals"})};
+        OptionKind::flag, {.text = "Reverse normals only", .name = "flip_normals"})};
 
 }  // namespace
 

@@ -9,7 +9,7 @@ namespace sansmesh::inline v1 {
 
 CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress) {
   CsgMeshOptions own = options;
-  if (!own.components) own.components = solid.usual_components();
+  if (!own.components) own.components = solid.default_components();
   CsgResult result;
   result.mesh = mesh_csg(solid.parts().solid, own, progress, &result.report);
   result.notes = solid.open_notes();

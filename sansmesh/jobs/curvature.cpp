@@ -28,7 +28,7 @@ double curvature_quantile(std::vector<float> values, double q) {
   return static_cast<double>(*at);
 }
 
-/// What was read, with the normals that were used, and the curvatures at each of its samples or vertices.
+/// Input with the normals that were used, and the curvatures at each sample or vertex.
 struct CurvedInput {
   PointSet points;
   std::vector<PrincipalCurvatures> curvatures;
@@ -37,7 +37,7 @@ struct CurvedInput {
   bool is_mesh() const { return !points.triangles.empty(); }
 };
 
-/// Those of a mesh are at its vertices, all of them and in their order, be they as few as they are.
+/// Curvatures of a mesh are at all its vertices in order, however few they are.
 CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& progress, std::vector<Note>& notes) {
   const bool is_mesh = !given.triangles.empty();
   const char* const kRow = "row of the file";
@@ -54,7 +54,7 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
   add_notes(notes, "preparation", cloud.warnings);
   if (options.noise)
     options.noise = cloud.frame.from_input(*options.noise);
-  else  // known unless normals are taken as given
+  else  // measured unless normals are given
     options.noise = is_mesh ? known_noise(cloud.points) : *cloud.noise;
   if (options.bandwidth) options.bandwidth = cloud.frame.from_input(*options.bandwidth);
   progress.begin("curvature");
@@ -100,7 +100,7 @@ void add_curvature_attributes(CurvedInput& to) {
     add(fmt::format("d2{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction2[k]; });
 }
 
-/// Colours the samples by the quantity that is shown, and tells of its values.
+/// Colours the samples by the shown quantity and computes its statistics.
 void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, CurvatureReport& r) {
   std::vector<float> values, sizes;
   for (const PrincipalCurvatures& c : made.curvatures) {
@@ -120,7 +120,7 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (made.curvatures[i].defined)
       color = diverging_color(scale > 0 ? curvature_quantity(made.curvatures[i], options.color_by) / scale : 0);
-    made.points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
+    made.points.colors[i] = to_bytes(color);
   }
 }
 
@@ -129,16 +129,14 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
 const OptionSchema& CurvatureMapOptions::schema() {
   using O = CurvatureMapOptions;
   static const OptionRow rows[] = {
-      option<&O::color_by>({.text = "What the colours show", .unit = "quantity", .choices = kCurvatureWords}),
-      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+      option<&O::color_by>({.text = "Quantity shown by colours", .unit = "quantity", .choices = kCurvatureWords}),
+      option<&O::color_range>({.text = "Curvature with the full colour, 1/length or, for gaussian, 1/length²",
                                .unit = "value",
                                .from_data = "from data",
                                .range = positive()}),
-      option_group<&O::estimation>(CurvatureOptions::schema().rows),
-      option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of lengths, at the colour bar", .unit = "unit"})};
-  static const OptionSchema schema{rows};
-  return schema;
+      option_group<&O::estimation>(CurvatureOptions::schema().rows), option<&O::bar>({.text = "Omit the colour bar"}),
+      option<&O::unit>({.text = "Unit of lengths at the colour bar", .unit = "unit"})};
+  return option_schema<rows>();
 }
 
 void CurvatureMapOptions::validate() const {
@@ -166,17 +164,14 @@ MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions
   std::optional<ColorBar> bar;
   if (options.bar) bar = curvature_bar(r.color_by, r.color_range, options.unit, r.beyond_range);
   MapPicture drawn{.image = {}, .made_with = picture};
-  leave_room(drawn.made_with, bar);
+  reserve_width(drawn.made_with, bar);
   drawn.image = beside_bar(render_mesh(to_mesh(made.points), drawn.made_with, progress), bar, drawn.made_with);
   return drawn;
 }
 
 std::vector<std::string> summary_of(const CurvatureResult& made) {
   const CurvatureReport& r = made.report;
-  const auto words = [&](std::size_t count) {
-    if (!r.mesh) return counted(count, "sample");
-    return count == 1 ? std::string("1 vertex") : grouped(count) + " vertices";
-  };
+  const auto words = [&](std::size_t count) { return counted(count, r.mesh ? "vertex" : "sample"); };
   std::vector<std::string> lines{
       fmt::format("{}, noise {}", words(made.points.size()), length_words(r.noise)),
       fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", quantity_word(r.color_by),
@@ -186,27 +181,21 @@ std::vector<std::string> summary_of(const CurvatureResult& made) {
   return lines;
 }
 
-namespace {
-
-constexpr ReportRow kCurvatureReportRows[] = {
-    reported<&CurvatureReport::noise>({.text = "Noise of the samples", .unit = "length"}),
-    reported<&CurvatureReport::undefined>({.text = "Samples without enough neighbours: zero"}),
-    reported<&CurvatureReport::color_by>({.text = "Quantity that is shown", .choices = kCurvatureWords}),
-    reported<&CurvatureReport::q05>(
-        {.name = "quantiles.q05", .text = "5 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::median>({.name = "quantiles.median",
-                                        .text = "Half of its values are below",
-                                        .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::q95>(
-        {.name = "quantiles.q95", .text = "95 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::color_range>(
-        {.text = "Value that gets the full colour", .unit = "1/length, of gaussian 1/length²"})};
-
-}  // namespace
-
 const ReportSchema& CurvatureReport::schema() {
-  static constexpr ReportSchema schema{kCurvatureReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CurvatureReport::noise>({.text = "Noise of the samples", .unit = "length"}),
+      reported<&CurvatureReport::undefined>({.text = "Samples with too few neighbours, set to zero"}),
+      reported<&CurvatureReport::color_by>({.text = "Quantity shown by colours", .choices = kCurvatureWords}),
+      reported<&CurvatureReport::q05>(
+          {.name = "quantiles.q05", .text = "5 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::median>({.name = "quantiles.median",
+                                          .text = "Half of its values are below",
+                                          .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::q95>(
+          {.name = "quantiles.q95", .text = "95 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::color_range>(
+          {.text = "Value with the full colour", .unit = "1/length, of gaussian 1/length²"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -15,41 +15,42 @@ CsgMeshOptions solid_options(const DeformOptions& o) {
 
 const OptionSchema& DeformOptions::schema() {
   using O = DeformOptions;
-  // Of those of a lattice `box` stands here for all that is deformed; gradients are none of the volume's own.
+  // `box` of the lattice is replaced by the common one; gradients are not available here.
   const std::span<const OptionRow> lattice = ResampleOptions::schema().rows;
   static const OptionRow rows[] = {
-      option<&O::frames>({.text = "So many poses from before to after, NAME_000.*, …: handles go straight, those of a "
-                                  "group turn",
+      option<&O::frames>({.text = "Number of poses from before to after, NAME_000.*, …: handles move straight, groups "
+                                  "rotate",
                           .range = {2, 100000}}),
-      option<&O::refine>({.text = "Cuts edges in half first whose middle the deformation moves off by more than this",
-                          .unit = "length",
-                          .range = positive()}),
-      option<&O::cut_open>({.text = "Closed meshes stay open along cuts: without faces there"}),
+      option<&O::refine>(
+          {.text = "First halve edges whose midpoint the deformation moves off the edge by more than this",
+           .unit = "length",
+           .range = positive()}),
+      option<&O::cut_open>({.text = "Leave closed meshes open along cuts"}),
       option<&O::resolution>(
-          {.text = "Of meshes: cells along the longest side; of sections: squares", .range = {2, 4096}}),
+          {.text = "For meshes: cells along the longest side; for sections: squares", .range = {2, 4096}}),
       option<&O::cell>(
-          {.text = "Edge of the cells instead", .unit = "length", .range = positive(), .excludes = "resolution"}),
-      option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
+          {.text = "Edge length of the cells", .unit = "length", .range = positive(), .excludes = "resolution"}),
+      option<&O::simplify>({.text = "Merge triangles where the surface is flat to within this; 0: never",
                             .unit = "length",
                             .range = at_least(0)}),
-      option<&O::components>({.text = "Parts to keep: auto, all, largest or a number",
+      option<&O::components>({.text = "Components to keep: auto, all, largest or a number",
                               .unit = "choice",
                               .from_data = "auto with functions, otherwise all"}),
-      option<&O::planes>({.text = "Of sections: z=0.5, or nx,ny,nz,d; may be repeated",
+      option<&O::planes>({.text = "Plane of a section: z=0.5, or nx,ny,nz,d; may be repeated",
                           .unit = "plane",
                           .from_data = "three through the middle",
                           .name = "plane"}),
-      option<&O::box>({.text = "After the deformation: cut off at, or resampled in this box: x0,y0,z0,x1,y1,z1"}),
+      option<&O::box>({.text = "Box after the deformation, to cut off or resample: x0,y0,z0,x1,y1,z1"}),
       option_group<&O::lattice>(lattice.first(1)),
       option_group<&O::lattice>(lattice.last(1)),
-      option<&O::map_nodes>({.text = "Of pictures: nodes along the longest side of the map that they are seen through",
-                             .range = {8, 512}}),
+      option<&O::map_nodes>(
+          {.text = "In pictures: nodes along the longest side of the displacement map", .range = {8, 512}}),
       option<&O::exact_deformation>(
-          {.text = "Straight through the deformation, and of functions without a mesh: slow", .old_name = "exact"}),
-      option<&O::draw_handles>({.text = "In pictures: handles as balls, blue before, red after, and their ways"}),
-      option<&O::draw_folds>({.text = "In pictures: in red where space is folded"})};
-  static const OptionSchema schema{rows};
-  return schema;
+          {.text = "Evaluate the deformation exactly, functions without a mesh: slow", .old_name = "exact"}),
+      option<&O::draw_handles>(
+          {.text = "In pictures: draw handles as balls, blue before, red after, with their paths"}),
+      option<&O::draw_folds>({.text = "In pictures: draw folds of space in red"})};
+  return option_schema<rows>();
 }
 
 void DeformOptions::validate(DeformAim aim) const {

@@ -1,4 +1,4 @@
-// Parts that deformations of all kinds of things share.
+// Functions shared by deformations of all kinds of objects.
 #pragma once
 
 #include <string>
@@ -14,30 +14,27 @@
 
 namespace sansmesh::inline v1 {
 
-/// Looks where space is folded, and keeps of all poses the one that is folded most.
+/// Finds folds of space in all poses and keeps the report of the worst pose.
 class FoldWatch {
  public:
-  /// In a box: that of what is seen through the map, or of what is moved by it. Returns the folds as something to see,
-  /// which is empty where there are none.
+  /// Searches the bounding box of the object. Returns a mesh that shows the folds, empty if there are none.
   TriangleMesh look(const SpaceMap& map, const Box3& box, Progress& progress);
   const FoldReport& worst() const { return worst_; }
-  /// "folded", if anything is.
+  /// Adds the note "folded" if there are folds.
   void add_note(const std::string& name, std::vector<Note>& notes) const;
 
  private:
   FoldReport worst_;
 };
 
-/// The box with so much room around it, as a share of its diagonal.
-Box3 with_room(const Box3& box, double share);
-void add_corners(const Box3& box, std::vector<Vec3>& places);
-void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
-/// Places that all poses lie within, where there are several: of the first, the middle and the last.
-std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
+/// The box enlarged on all sides by a share of its diagonal.
+Box3 with_margin(const Box3& box, double share);
+void add_corners(const Box3& box, std::vector<Vec3>& points);
+/// Points whose bounding box contains all poses: of the first, the middle and the last.
+std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before);
-/// Surfaces, and beside them handles and folds as far as they are asked for, framed by `places` and the handles.
-Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
-                      Progress& progress);
+/// Draws surfaces, with handles and folds if requested; `framed` and the handles determine the frame.
+Image picture_of_pose(std::vector<SceneFactory> surfaces, const DeformOptions& options, const Deformation& deformation,
+                      double share, std::vector<Vec3> framed, const TriangleMesh& folds, Progress& progress);
 
 }  // namespace sansmesh::inline v1

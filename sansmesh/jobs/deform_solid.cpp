@@ -1,4 +1,4 @@
-// Functions and solids, deformed as fields that are never sampled before.
+// Deformation of functions and solids as fields, without sampling them first.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
@@ -27,11 +28,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kPictureCells = 128;     // of the mesh that says where rays have to look
-constexpr double kBallRoom = 1.5;      // radius of balls, in longest edges at a vertex
-constexpr double kVertexShare = 1e-9;  // of the box: to which vertices are carried back
+constexpr int kPictureCells = 128;     // cells of the mesh that bounds ray casting
+constexpr double kBallRoom = 1.5;      // ball radius in units of the longest edge at a vertex
+constexpr double kVertexShare = 1e-9;  // accuracy of inverted vertices, as a share of the box
 
-/// A field seen from a place of its own, so that floats suffice.
+/// A field in a shifted frame, in which floats suffice.
 class NearField final : public ScalarField {
  public:
   NearField(const ScalarField& field, const Vec3& origin) : field_(field), origin_(origin) {}
@@ -60,7 +61,7 @@ class NearField final : public ScalarField {
   Vec3 origin_;
 };
 
-/// Balls around the vertices of a mesh of the surface, each as large as its triangles.
+/// Balls around the vertices of a mesh, as large as their triangles.
 BallUnion balls_of(const TriangleMesh& mesh) {
   BallUnion balls;
   balls.centers = mesh.vertices;
@@ -74,7 +75,7 @@ BallUnion balls_of(const TriangleMesh& mesh) {
   return balls;
 }
 
-/// All that the poses of one solid share.
+/// Data that all poses of a solid share.
 class SolidPoses {
  public:
   SolidPoses(const SolidModel& solid, const Deformation& deformation, DeformAim aim, const DeformOptions& options,
@@ -86,10 +87,10 @@ class SolidPoses {
         progress_(progress),
         function_(solid.parts().whole_function()),
         field_(std::make_shared<const Solid>(solid.parts().solid)) {
-    // Sections are those of the function itself, which ends where its samples end.
+    // Sections use the function itself, which ends with its samples.
     if (function_ && aim == DeformAim::sections) field_ = function_->field();
     before_ = field_->bounds();
-    if (aim == DeformAim::picture) framed_ = places_of_poses(deformation, before_, options, false);
+    if (aim == DeformAim::picture) framed_ = points_of_poses(deformation, before_, options, false);
     open_ = function_ && is_open(*function_) && !options.box;
     if (!open_) result_.notes = solid.open_notes();
   }
@@ -116,16 +117,15 @@ class SolidPoses {
   }
 
  private:
-  /// The box that it is cut off at, which makes endless solids finite.
+  /// Options with the box that makes unbounded solids finite.
   CsgMeshOptions mesh_options() const {
     CsgMeshOptions o = {
         .cell = options_.cell, .resolution = options_.resolution, .box = options_.box, .simplify = options_.simplify};
-    o.components = options_.components.value_or(solid_.usual_components());
+    o.components = options_.components.value_or(solid_.default_components());
     return o;
   }
 
-  /// The mesh of a surface that bounds no solid, its vertices carried by the inverse of the map that fields are seen
-  /// by.
+  /// Mesh of a surface that bounds no solid, with vertices moved by the inverse of the backward map.
   TriangleMesh mesh_of_open(const DeformationMaps& maps) {
     TriangleMesh mesh = mesh_function(function_->fitted(), {}, progress_);
     if (!deformation_.cuts().empty())
@@ -135,15 +135,15 @@ class SolidPoses {
     mesh = deform_mesh(std::move(mesh), InverseMap(maps.backward, kVertexShare * size, maps.forward), {}, &report);
     if (report.undefined > 0)
       note_once("undefined",
-                fmt::format("{} vertices stay where they are: nothing comes to them", grouped(report.undefined)));
+                fmt::format("{} vertices do not move: the map has no inverse there", grouped(report.undefined)));
     return mesh;
   }
 
-  /// Poses that have the same to say say it once.
+  /// Adds a note unless another pose has added it.
   void note_once(const char* code, const std::string& text) {
     std::vector<Note>& notes = result_.notes;
     if (std::none_of(notes.begin(), notes.end(), [&](const Note& n) { return n.text == text; }))
-      notes.push_back({.code = code, .text = text, .remedy = {}, .of = solid_.expression()});
+      notes.push_back({.code = code, .text = text, .of = solid_.expression()});
   }
 
   DeformedPose of_open(const DeformationMaps& maps, double share) {
@@ -151,10 +151,10 @@ class SolidPoses {
     DeformReport& r = result_.report;
     r.mesh_of_open = true, r.vertices = mesh.vertices.size(), r.triangles = mesh.triangles.size();
     if (aim_ != DeformAim::picture) return mesh;
-    std::vector<Vec3> places = framed_;
-    if (places.empty()) add_vertices(mesh, places);
-    return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
-                                           share, std::move(places), {}, progress_)};
+    std::vector<Vec3> framed = framed_;
+    if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
+    return DeformedPicture{picture_of_pose({scene_factory(mesh, options_.look.picture)}, options_, deformation_, share,
+                                           std::move(framed), {}, progress_)};
   }
 
   std::vector<Section> sections_of(const DeformedField& field) {
@@ -163,35 +163,34 @@ class SolidPoses {
     lattice.box = options_.box;
     const Box3 box = options_.box.value_or(field.bounds());
     if (!is_finite(box.lower) || !is_finite(box.upper))
-      throw ArgumentError("the solid has no end: `box` says where to cut it off");
+      throw ArgumentError("the solid is unbounded: `box` cuts it off");
     const std::vector<CutPlane> planes = options_.planes.empty() ? middle_planes(box) : options_.planes;
     return result_.report.sections = section_field(field, planes, lattice, progress_);
   }
 
-  /// A mesh of it, or the surface itself, found by rays within balls around the vertices of a mesh, where that is asked
-  /// for.
+  /// A picture of the mesh or, if `exact`, of the surface itself by ray casting within balls around mesh vertices.
   Image picture_of(const DeformedField& field, const TriangleMesh& folded, double share) {
     CsgMeshOptions o = mesh_options();
     const bool exact =
-        options_.exact_deformation || function_;  // functions of scans have hardly a crease: rays are quicker
+        options_.exact_deformation || function_;  // functions of scans have few creases: ray casting is faster
     if (exact) {
       if (!o.cell && !o.resolution) o.resolution = kPictureCells;
       o.simplify = 0;
     }
     const TriangleMesh mesh = mesh_csg(field, o, progress_);
-    std::vector<Vec3> places = framed_;
-    if (places.empty()) add_vertices(mesh, places);
-    const auto with = [&](PictureSurface surface) {
-      return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(places), folded, progress_);
+    std::vector<Vec3> framed = framed_;
+    if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
+    const auto with = [&](SceneFactory surface) {
+      return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(framed), folded, progress_);
     };
-    if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
+    if (!exact) return with(scene_factory(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);
     const SurfaceCaster caster(near, balls_of(mesh), {});
     LocalFrame frame;
     frame.origin = mesh.origin;
     SurfaceRenderOptions look;
     look.picture = options_.look.picture;
-    return with(surface_in_picture(caster, frame, nullptr, look));
+    return with(scene_factory(caster, frame, nullptr, look));
   }
 
   const SolidModel& solid_;
@@ -199,8 +198,8 @@ class SolidPoses {
   DeformAim aim_;
   const DeformOptions& options_;
   Progress& progress_;
-  const SurfaceFunction* function_;           ///< null of other solids
-  std::shared_ptr<const ScalarField> field_;  ///< what is deformed
+  const SurfaceFunction* function_;           ///< null for other solids
+  std::shared_ptr<const ScalarField> field_;  ///< field that is deformed
   Box3 before_;
   std::vector<Vec3> framed_;
   bool open_ = false;
@@ -213,7 +212,7 @@ class SolidPoses {
 DeformResult deform(const SolidModel& solid, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
   options.validate(aim, deformation);
-  if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
+  if (options.refine) throw ArgumentError("`refine` is for meshes: functions are meshed as finely as necessary");
   SolidPoses poses(solid, deformation, aim, options, progress);
   for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression(), [&] { return poses.at(k); }));
   return poses.result();

@@ -1,9 +1,10 @@
-// Things of any kind that can be deformed.
+// Objects that can be deformed.
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
 
 #include "sansmesh/convert.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
@@ -40,12 +41,7 @@ void check_deformed(const std::string& file, DeformKind kind) {
   check_converted(file, false);
 }
 
-Box3 bounds_of(const PointSet& points) {
-  Box3 box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(points.origin + Vec3(p));
-  return box;
-}
+Box3 bounds_of(const PointSet& points) { return finite_bounds(points.origin, points.positions); }
 
 Box3 bounds_of(const DeformSubject& subject) {
   if (const auto* const points = std::get_if<PointSet>(&subject)) return bounds_of(*points);

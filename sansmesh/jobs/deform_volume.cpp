@@ -1,10 +1,11 @@
-// Volumes, resampled or drawn through a deformation.
+// Deformation of volumes: resampling and pictures.
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/cut_map.h"
 #include "sansmesh/deform/displacement_map.h"
@@ -27,12 +28,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kHistogramPoints = 60000;
-constexpr double kSideTriangles = 1.0 / 24;  // of the diagonal: edges of the volume's outside that are bent with it
+constexpr double kSideTriangles = 1.0 / 24;  // longest edge of the deformed boundary, as a share of the diagonal
 constexpr std::size_t kMostSideTriangles = 400000;
-constexpr double kBoundaryShare = 1e-7;  // of the diagonal: to which it is carried
-constexpr double kMapRoom = 0.02;        // around the box for which a map is sampled
+constexpr double kBoundaryShare = 1e-7;  // accuracy of the inverse map, as a share of the diagonal
+constexpr double kMapRoom = 0.02;        // margin of the sampled map around the box, as a share of the diagonal
 
-/// The outside of a box.
+/// Surface of a box.
 TriangleMesh box_mesh(const Box3& box) {
   TriangleMesh mesh;
   mesh.origin = box.center();
@@ -44,7 +45,7 @@ TriangleMesh box_mesh(const Box3& box) {
   return mesh;
 }
 
-/// The outside of the volume after the deformation, where all of it was found.
+/// Boundary of the volume after the deformation, unless the inverse fails somewhere.
 std::optional<TriangleMesh> moved_boundary(TriangleMesh mesh, const DeformationMaps& maps, double diagonal) {
   refine_edges(mesh, kSideTriangles * diagonal, kMostSideTriangles);
   MeshDeformReport report;
@@ -53,7 +54,7 @@ std::optional<TriangleMesh> moved_boundary(TriangleMesh mesh, const DeformationM
   return mesh;
 }
 
-/// All that the poses of one volume share.
+/// Data that all poses of a volume share.
 class VolumePoses {
  public:
   VolumePoses(const DeformableVolume& volume, const Deformation& deformation, const DeformOptions& options,
@@ -65,7 +66,7 @@ class VolumePoses {
         progress_(progress),
         before_(volume.fields.at(0)->bounds()) {}
 
-  /// Colours, a title and a view that suit the volume, where none were chosen.
+  /// Chooses colours, title and view unless they are given.
   void choose_look() {
     const SampledVolume& samples = *volume_.samples;
     if (!look_.transfer) {
@@ -79,11 +80,11 @@ class VolumePoses {
       if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();
-    if (look_.color_bar) leave_room(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
-    framed_ = places_of_poses(deformation_, before_, options_, true);
+    if (look_.color_bar) reserve_width(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
+    framed_ = points_of_poses(deformation_, before_, options_, true);
   }
 
-  /// All arrays on one lattice.
+  /// Resamples all arrays on one lattice.
   GridBlock resampled(int k) {
     const DeformationMaps maps = deformation_.at(options_.share(k));
     folds_.look(*maps.backward, box_at(maps), progress_);
@@ -126,7 +127,7 @@ class VolumePoses {
     progress_.begin("boundary");
     std::optional<TriangleMesh> outside;
     if (torn)
-      subject.gap = &gaps;  // the outside is torn, too: the field says what is inside
+      subject.gap = &gaps;  // the boundary is torn too: the field defines the inside
     else
       outside = moved_boundary(plain.boundary ? std::move(boundary) : box_mesh(before_), {seen_by, maps.forward},
                                before_.diagonal());
@@ -134,21 +135,22 @@ class VolumePoses {
     subject.image = plain.image;
     subject.field = &field;
     std::vector<Vec3> places, framed = framed_;
-    if (outside) add_vertices(*outside, places);
-    subject.places = places;
+    if (outside) add_finite_points(outside->origin, outside->vertices, places);
+    subject.samples = places;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
     if (options_.draw_folds && !folded.triangles.empty())
-      subject.surfaces.push_back(surface_in_picture(folded, look_.picture));
+      subject.surfaces.push_back(scene_factory(folded, look_.picture));
     if (options_.draw_handles && deformation_.has_handles())
       subject.surfaces.push_back(
-          surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
+          scene_factory(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
     DeformedPicture made{picture.render(look_, progress_, &report),
                          options_.look.picture.view.width - look_.picture.view.width};
     if (!outside && !torn)
-      report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
+      report.notes.emplace_back(
+          "the boundary of the volume is folded or torn: its sides have the resolution of ray steps");
     add_notes(result_.notes, "picture", report.notes, volume_.name);
     result_.report.rays = report.rays, result_.report.evaluations = report.evaluations;
     return made;
@@ -162,13 +164,13 @@ class VolumePoses {
 
  private:
   Box3 box_at(const DeformationMaps& maps) const {
-    return box_before(*maps.backward, before_, deformation_.box_of(maps, before_));
+    return preimage_box(*maps.backward, before_, deformation_.box_of(maps, before_));
   }
 
-  /// The deformation itself is slow to ask at each step of each ray.
+  /// Returns a sampled map, since the exact deformation is too slow for every step of every ray.
   std::shared_ptr<const SpaceMap> seen_through(const DeformationMaps& maps, const Box3& box) const {
     if (options_.exact_deformation || !deformation_.has_handles()) return maps.backward;
-    const Box3 wide = with_room(box, kMapRoom);
+    const Box3 wide = with_margin(box, kMapRoom);
     const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(options_.map_nodes));
     if (deformation_.cuts().empty())
       return std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress_));
@@ -209,7 +211,7 @@ DeformResult deform(const DeformableVolume& volume, const Deformation& deformati
   options.validate(aim, deformation);
   if (options.refine) throw ArgumentError("`refine` is for meshes");
   if (aim == DeformAim::sections)
-    throw ArgumentError("sections are of functions: a value of one of its quantities is a surface of a volume");
+    throw ArgumentError("sections need functions or solids: an isosurface of a volume is one");
   VolumePoses poses(volume, deformation, options, progress);
   if (aim == DeformAim::picture) with_name(volume.name, [&] { poses.choose_look(); });
   const auto pose_at = [&](int k) -> DeformedPose {

@@ -15,8 +15,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kInverseTolerance = 1e-9;  // of the size of a map that is given
-constexpr double kBallShare = 0.008;        // radius of drawn handles, of what is drawn
+constexpr double kInverseTolerance = 1e-9;  // share of the map's size
+constexpr double kBallShare = 0.008;        // radius of drawn handles as a share of the object
 
 }  // namespace
 
@@ -25,7 +25,7 @@ struct Deformation::State {
   std::vector<Handle> handles = {};
   MlsDeformationOptions options = {};
   std::vector<std::shared_ptr<const Occluder>> cuts = {};
-  DeformationMaps whole = {};  ///< at 1
+  DeformationMaps whole = {};  ///< at share 1
 
   DeformationMaps at(double share) const {
     std::vector<Handle> now = sansmesh::handles_at(handles, share);
@@ -100,32 +100,27 @@ std::string Deformation::words() const {
                      cuts().empty() ? "" : ", " + counted(cuts().size(), "cut"));
 }
 
-namespace {
-
-constexpr ReportRow kDeformationRows[] = {
-    reported<[](const Deformation& r) { return told_if(!r.has_handles(), r.name()); }>(
-        {.name = "map", .text = "File of the map of displacements"}),
-    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.handles_at(0).size()); }>(
-        {.name = "handles", .text = "Handles"}),
-    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.name()); }>(
-        {.name = "file", .text = "File of the handles"}),
-    reported<[](const Deformation& r) { return told_if(r.has_handles(), std::string(kind_word(r.options().kind))); }>(
-        {.name = "kind", .text = "Kind of the deformation"}),
-    reported<[](const Deformation& r) {
-      return told_if(r.has_handles() && r.options().kind == DeformationKind::nonlinear, r.options().degree);
-    }>({.name = "degree", .text = "Degree of its polynomials"}),
-    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.options().alpha); }>(
-        {.name = "alpha", .text = "Exponent of the weights"}),
-    reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.cuts().size()); }>(
-        {.name = "cuts", .text = "Cuts"}),
-    reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.options().damping); }>(
-        {.name = "damping", .text = "Damping of what crosses cuts"})};
-
-}  // namespace
-
 const ReportSchema& Deformation::schema() {
-  static constexpr ReportSchema schema{kDeformationRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const Deformation& r) { return value_if(!r.has_handles(), r.name()); }>(
+          {.name = "map", .text = "File of the displacement map"}),
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.handles_at(0).size()); }>(
+          {.name = "handles", .text = "Handles"}),
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.name()); }>(
+          {.name = "file", .text = "File of the handles"}),
+      reported<[](const Deformation& r) {
+        return value_if(r.has_handles(), std::string(kind_word(r.options().kind)));
+      }>({.name = "kind", .text = "Kind of the deformation"}),
+      reported<[](const Deformation& r) {
+        return value_if(r.has_handles() && r.options().kind == DeformationKind::nonlinear, r.options().degree);
+      }>({.name = "degree", .text = "Degree of its polynomials"}),
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.options().alpha); }>(
+          {.name = "alpha", .text = "Exponent of the weights"}),
+      reported<[](const Deformation& r) { return value_if(!r.cuts().empty(), r.cuts().size()); }>(
+          {.name = "cuts", .text = "Cuts"}),
+      reported<[](const Deformation& r) { return value_if(!r.cuts().empty(), r.options().damping); }>(
+          {.name = "damping", .text = "Damping across cuts"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -8,9 +8,12 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/edit/tubes.h"
 #include "sansmesh/pictures.h"
@@ -24,10 +27,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Pixels that are left for the objects beside the legend, at least.
-constexpr int kLeastBesideLegend = 100;
+/// Least width of the picture beside the legend, pixels.
 
-/// Far from each other in hue, then in lightness as well.
+/// Colours that differ in hue, then in lightness.
 Vec3f object_color(std::size_t number) {
   constexpr std::array<double, 8> kHues{255, 60, 150, 20, 310, 100, 205, 345};
   const std::size_t round = number / kHues.size();
@@ -35,7 +37,7 @@ Vec3f object_color(std::size_t number) {
   return srgb_of_oklch(lightness, 0.13, kHues[number % kHues.size()] + 22.0 * static_cast<double>(round % 2));
 }
 
-/// Lines as tubes, as thin as those of pictures of lines alone.
+/// Lines as tubes with the radius of line pictures.
 TriangleMesh tubes_of(const PolylineSet& lines) {
   const double radius = tube_radius(lines);
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
@@ -54,7 +56,7 @@ Vec3f mean_of(const std::vector<std::array<std::uint8_t, 3>>& colors) {
   return Vec3f(sum / (255.0 * static_cast<double>(colors.size())));
 }
 
-/// An object without a mesh, and what it needs.
+/// An object without a mesh, with its model.
 struct MeshlessObject {
   SurfaceModel model;
   SurfaceCaster caster;
@@ -63,17 +65,17 @@ struct MeshlessObject {
       : model(std::move(made)), caster(model.field(progress), model.balls(), {}) {}
 };
 
-/// The scene of a picture, built object by object.
+/// Scene of a picture, built object by object.
 class ObjectScene {
  public:
   ObjectScene(const PictureOptions& options, std::size_t objects, RenderResult& result, Progress& progress)
       : o_(options), objects_(objects), result_(result), progress_(progress) {}
 
-  std::vector<PictureSurface> surfaces;
-  std::vector<Vec3> places;
+  std::vector<SceneFactory> surfaces;
+  std::vector<Vec3> framed;
   std::vector<LegendEntry> legend;
   std::vector<ObjectKind> kinds;
-  std::unique_ptr<CurvatureField> curvature;  ///< of a single object, where the picture shows it
+  std::unique_ptr<CurvatureField> curvature;  ///< curvature of a single object, if the picture needs it
 
   void add(PictureObject object) {
     const std::size_t k = surfaces.size();
@@ -95,9 +97,9 @@ class ObjectScene {
   struct Drawn {
     ObjectKind kind;
     SurfaceRenderOptions look;
-    PictureSurface surface;
+    SceneFactory surface;
     Vec3f mean_color;
-    double apart = 0;  ///< of sheets that are one
+    double apart = 0;  ///< distance below which sheets count as one
   };
 
   SurfaceRenderOptions look_of(std::size_t k, const std::string& color, bool has_colors) const {
@@ -116,9 +118,9 @@ class ObjectScene {
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);
     const auto& samples = model.points().positions;
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
-      places.push_back(model.frame().to_input(Vec3(p)));
+      framed.push_back(model.frame().to_input(Vec3(p)));
     return {ObjectKind::function, look,
-            surface_in_picture(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
+            scene_factory(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
             look.picture.look.surface_color};
   }
 
@@ -138,11 +140,10 @@ class ObjectScene {
     if (mesh.triangles.empty() && opacity < 1) {
       PointSet cloud;
       cloud.positions = mesh.vertices;
-      apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // the discs of one sheet
+      apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // discs of one sheet
     }
-    for (const Vec3f& p : mesh.vertices)
-      if (is_finite(p)) places.push_back(mesh.origin + Vec3(p));
-    return {kind, look, surface_in_picture(mesh, look.picture),
+    add_finite_points(mesh.origin, mesh.vertices, framed);
+    return {kind, look, scene_factory(mesh, look.picture),
             look.picture.look.use_colors ? mean_of(mesh.colors) : look.picture.look.surface_color, apart};
   }
 
@@ -166,22 +167,14 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   RenderOptions picture = o.look.picture;
   picture.view.steady = o.frames.has_value();
   picture.look.curvature = std::move(scene.curvature);
-  // Lines alone do not have the colours of the list.
+  // Pictures of lines only do not have the colours of the legend.
   const bool listed = scene.legend.size() > 1 && o.legend && picture.look.lines != PictureLook::Lines::only;
-  const int beside = listed ? legend_width(picture.view.height, scene.legend) : 0;
-  if (beside > 0 && picture.view.width < beside + kLeastBesideLegend)
-    throw ArgumentError(
-        fmt::format("`width = {}` is too narrow: the legend takes {} of it; `legend = false` leaves it out",
-                    picture.view.width, beside));
-  picture.view.width -= beside;
-  std::size_t number = 0;
-  for (const ViewDirection& view : turntable(picture.view.direction, o.frames.value_or(1))) {
-    picture.view.direction = view;
-    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), picture, progress);
-    const Image paper = paper_beside(picture);
-    if (listed) image = beside_legend(image, scene.legend, &paper);
-    use(number++, image, picture);
-  }
+  if (listed) reserve_width(picture, legend_width(picture.view.height, scene.legend), "the legend", "legend");
+  draw_turntable(picture, o.frames, use, [&](const RenderOptions& one) {
+    Image image = render_surfaces(scene.surfaces, scene.framed, o.translucent(), one, progress);
+    const Image paper = annotation_background(one);
+    return listed ? with_legend(image, scene.legend, &paper) : image;
+  });
 }
 
 void leave_out_outliers(PointSet& points, const std::string& name, std::vector<Note>& notes, Progress& progress) {
@@ -191,7 +184,7 @@ void leave_out_outliers(PointSet& points, const std::string& name, std::vector<N
   if (count == 0) return;
   if (count == points.size()) throw DataError("`remove_outliers` leaves no samples");
   remove_samples(points, outliers);
-  add_notes(notes, "outliers", {counted(count, "sample") + " left out: belong to no surface"}, name);
+  add_notes(notes, "outliers", {counted(count, "sample") + " dropped: stray samples"}, name);
 }
 
 }  // namespace sansmesh::inline v1

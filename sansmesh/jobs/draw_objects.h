@@ -11,11 +11,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// All objects side by side, lines as tubes, with a list of them. Throws DataError that begins with an object's name.
+/// Draws all objects side by side, lines as tubes, with a legend. Throws DataError that begins with an object's name.
 void draw_objects(std::vector<PictureObject> objects, const PictureOptions& options, const UsePicture& use,
                   RenderResult& result, Progress& progress);
 
-/// Removes samples that belong to no surface, and notes how many: "outliers". Throws DataError where none is left.
+/// Removes stray samples and notes how many: "outliers". Throws DataError if none remains.
 void leave_out_outliers(PointSet& points, const std::string& name, std::vector<Note>& notes, Progress& progress);
 
 }  // namespace sansmesh::inline v1

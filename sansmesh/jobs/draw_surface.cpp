@@ -8,6 +8,7 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/splat_points.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
@@ -18,14 +19,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// `mesh`: that whose faces were sampled, if any.
+/// `mesh`: the mesh whose faces were sampled, if any.
 std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceModel& model,
                                         std::optional<CurvedVertices> mesh, std::optional<ColorBar>& bar,
                                         Progress& progress) {
   if (o.color_by.empty()) return nullptr;
   const LocalFrame& frame = model.frame();
   if (o.color_by == kConfidence) {
-    if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    if (model.points().size() == 0) throw DataError("confidence needs the samples, which were not kept");
     bar = confidence_bar();
     return std::make_unique<ConfidenceColors>(model.points(), frame.from_input(model.report().spacing),
                                               frame.from_input(model.report().noise));
@@ -45,12 +46,12 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
   } else {
     colors = std::make_unique<CurvatureColors>(model.points(), by, progress);
   }
-  // The range is that of all but a few of the samples, or what was asked for.
+  // The range covers nearly all samples, or is the given one.
   bar = curvature_bar(by.quantity, curvature_range(colors->range(), by.quantity, 1 / frame.unit), o.unit, true);
   return colors;
 }
 
-/// Draws the surface by rays, or by splats.
+/// Draws the surface by ray casting or by splats.
 class SurfacePainter {
  public:
   SurfacePainter(const PictureOptions& o, const SurfaceModel& model, const ColorField* colors,
@@ -91,8 +92,8 @@ class SurfacePainter {
   std::optional<SurfaceCaster> caster_;
 };
 
-/// The function, or the surface of the samples. `mesh`: with the curvatures that colours are asked for, where the
-/// samples are of its faces.
+/// The function, or the surface of the samples. `mesh`: receives curvatures for colours, if the samples are on faces of
+/// a mesh.
 SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optional<CurvedVertices>& mesh,
                       Progress& progress) {
   if (object.function) return make_surface_model(object.function->fitted());
@@ -109,7 +110,7 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
   std::optional<ColorBar> bar;
   const std::unique_ptr<ColorField> own = make_colors(o, model, std::move(mesh), bar, progress);
   if (!o.bar) bar.reset();
-  leave_room(look.picture, bar);
+  reserve_width(look.picture, bar);
   const ColorField* const colors = own ? own.get() : look.picture.look.use_colors ? model.colors() : nullptr;
   if (wants_curvature(look.picture))
     look.picture.look.curvature =
@@ -117,13 +118,11 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
   const SurfacePainter painter(o, model, colors, look, progress);
   look.picture.view.steady = o.frames.has_value();
   RenderOptions made_with = look.picture;
-  made_with.look.curvature = nullptr;  // ends with the model
-  std::size_t number = 0;
-  for (const ViewDirection& view : turntable(look.picture.view.direction, o.frames.value_or(1))) {
-    look.picture.view.direction = made_with.view.direction = view;
-    const Image image = painter.paint(look, progress);
-    use(number++, beside_bar(image, bar, look.picture), made_with);
-  }
+  made_with.look.curvature = nullptr;  // does not outlive the model
+  draw_turntable(made_with, o.frames, use, [&](const RenderOptions& one) {
+    look.picture.view = one.view;
+    return beside_bar(painter.paint(look, progress), bar, look.picture);
+  });
   painter.report(report);
 }
 

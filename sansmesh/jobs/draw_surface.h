@@ -1,4 +1,4 @@
-// Pictures of a surface without a mesh, straight from samples or of a function.
+// Pictures of a surface without a mesh, directly from samples or from a function.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// Crests are those of the surface itself, or of estimates at its samples.
+/// Crest lines come from the surface itself or from estimates at its samples.
 enum class CrestsFrom : std::uint8_t { surface, samples };
 
-/// By rays, or by splats. Throws DataError that begins with the object's name.
+/// Draws by ray casting or by splats. Throws DataError that begins with the object's name.
 void draw_surface(PictureObject object, const PictureOptions& options, CrestsFrom crests, const UsePicture& use,
                   RenderResult& result, Progress& progress);
 

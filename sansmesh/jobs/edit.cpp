@@ -16,17 +16,16 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Throws DataError unless it is a mesh of the function, whoever made it.
+/// Throws DataError unless the mesh is one of the function.
 void check_mesh(const EditInput& input) {
   if (input.mesh->triangles.empty()) throw DataError(input.mesh_name + ": has no triangles");
   const MeshMatch match = match_mesh(input.function.fitted(), *input.mesh);
   if (match.belongs()) return;
-  const Vec3& at = match.farthest_at;
   throw DataError(
-      fmt::format("{}: is not a mesh of {}: {} of its {} vertices looked at {} on that surface, the farthest "
-                  "is about {} off, at ({:.9g}, {:.9g}, {:.9g})",
-                  input.mesh_name, input.name, grouped(match.on), grouped(match.vertices),
-                  match.on == 1 ? "lies" : "lie", length_words(match.farthest), at.x, at.y, at.z));
+      fmt::format("{}: is not a mesh of {}: {} of {} tested vertices {} on that surface, the farthest "
+                  "is about {} off, at {}",
+                  input.mesh_name, input.name, grouped(match.on), grouped(match.vertices), match.on == 1 ? "is" : "are",
+                  length_words(match.farthest), point_words(match.farthest_at, 9)));
 }
 
 }  // namespace
@@ -57,20 +56,14 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kEditedFunctionRows[] = {
-    reported<&EditedFunction::steps>({.text = "Edits, one after the other"}),
-    reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
-        {.name = "fits", .text = "Local fits of the function"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update); }>(
-        {.name = "update", .text = "How the mesh was brought up to date, if one was asked for"})};
-
-}  // namespace
-
 const ReportSchema& EditedFunction::schema() {
-  static constexpr ReportSchema schema{kEditedFunctionRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&EditedFunction::steps>({.text = "Edits in order"}),
+      reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
+          {.name = "fits", .text = "Local fits of the function"}),
+      reported<[](const EditedFunction& r) { return value_if(!r.mesh.triangles.empty(), r.update); }>(
+          {.name = "update", .text = "Update of the mesh, if requested"})};
+  return report_schema<rows>();
 }
 
 std::string words_of(const EditReport& r) {
@@ -81,8 +74,8 @@ std::string words_of(const EditReport& r) {
 }
 
 std::string words_of(const MeshUpdate& update, std::size_t triangles) {
-  if (!update.local) return ", all made anew: " + update.why;
-  if (update.regions == 0) return ", as they were";
+  if (!update.local) return ", all new: " + update.why;
+  if (update.regions == 0) return ", unchanged";
   const double kept = 1 - static_cast<double>(update.added) / static_cast<double>(triangles);
   return fmt::format(", of which {} are new{}; {:.1f} % kept", grouped(update.added),
                      update.regions > 1 ? fmt::format(", in {} regions", grouped(update.regions)) : std::string(),

@@ -13,8 +13,7 @@ const OptionSchema& FitFunctionOptions::schema() {
   using O = FitFunctionOptions;
   static const OptionRow rows[] = {option_group<&O::cloud>(CloudPreparation::schema().rows),
                                    option_group<&O::fit>(FitOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress) {
@@ -32,12 +31,11 @@ const ReportSchema& FitFunctionReport::schema() {
       reported<&FitFunctionReport::estimated_normals>(
           {.name = "normals.estimated", .text = "Whether normals were estimated"}),
       reported<&FitFunctionReport::oriented_by>({.name = "normals.oriented_by",
-                                                 .text = "From what normals got their signs; nothing: from the input",
+                                                 .text = "Source of the signs of normals; null: the input",
                                                  .choices = kOrientByWords}),
-      reported<[](const FitFunctionReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
-          {.name = "alignment", .text = "How scans were aligned, in words"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+      reported<[](const FitFunctionReport& r) { return value_if(!r.alignment.empty(), r.alignment); }>(
+          {.name = "alignment", .text = "Registration of scans, as text"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

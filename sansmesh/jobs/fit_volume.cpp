@@ -1,4 +1,4 @@
-// Volumes with their reconstruction, to be kept.
+// Fitted volumes: volumes stored with their reconstruction.
 #include <fmt/core.h>
 
 #include <utility>
@@ -12,17 +12,16 @@ namespace sansmesh::inline v1 {
 
 const OptionSchema& FitVolumeOptions::schema() {
   using O = FitVolumeOptions;
-  static constexpr OptionRow rows[] = {option<&O::all_arrays>(
-      {.text = "Keep the other arrays as well, for other reconstructions and to carry along", .old_name = "all"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  static constexpr OptionRow rows[] = {
+      option<&O::all_arrays>({.text = "Keep the other arrays as well", .old_name = "all"})};
+  return option_schema<rows>();
 }
 
 FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& options, Progress& progress) {
   const ArrayChoice& choice = volume.choice();
   if (choice.component || choice.magnitude)
     throw ArgumentError(
-        fmt::format("`array`: all components are fitted together; choose one where the file is used ({}, not {})",
+        fmt::format("`array`: all components are fitted together; select one when the file is used ({}, not {})",
                     choice.array, volume.options().array));
   volume.samples(progress);
   const ReconstructionOptions asked = options_for(volume, choice.array, progress);
@@ -41,8 +40,7 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
   if (fitted->coefficients.empty())
     result.notes.push_back(
         {.code = "no_coefficients",
-         .text = fmt::format("{} has no coefficients to keep: the samples alone are kept", *fitted->chosen.method),
-         .remedy = {},
+         .text = fmt::format("{} has no coefficients: only the samples are kept", *fitted->chosen.method),
          .severity = Note::Severity::information,
          .of = volume.name()});
   result.fitted = std::move(fitted);
@@ -55,17 +53,11 @@ void write_fit(const std::string& file, const FitVolumeResult& fit) {
   write_volume_file(file, *fit.fitted);
 }
 
-namespace {
-
-constexpr ReportRow kFitVolumeReportRows[] = {
-    reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
-    reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
-
-}  // namespace
-
 const ReportSchema& FitVolumeReport::schema() {
-  static constexpr ReportSchema schema{kFitVolumeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
+      reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
 #include "sansmesh/flow/flow_lines.h"
@@ -14,7 +15,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kUsualLineSeeds = 200;
+constexpr std::size_t kDefaultLineSeeds = 200;
 
 struct CarriedArray {
   std::string name;
@@ -36,14 +37,12 @@ std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string
   return arrays;
 }
 
-/// Values of other arrays at the points.
+/// Samples other arrays at the points.
 void carry_along(const std::vector<CarriedArray>& arrays, const VolumeModel& volume, TraceLinesResult& result,
                  Progress& progress) {
   PolylineSet& lines = result.lines;
   progress.begin("carry arrays", arrays.size());
-  std::vector<Vec3> x;
-  x.reserve(lines.positions.size());
-  for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
+  const std::vector<Vec3> x = world_points(lines.origin, lines.positions);
   for (const CarriedArray& array : arrays) {
     const auto field = volume.field(array.choice, progress, result.notes);
     std::vector<double> values(x.size() * field->components());
@@ -62,13 +61,12 @@ const OptionSchema& TraceLinesOptions::schema() {
                                    option<&O::carry>({.text = "Other arrays at the points: names with commas, all or "
                                                               "none",
                                                       .unit = "names"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void TraceLinesOptions::validate() const { lines.validate(); }
 
-std::string usual_color(const FlowLineOptions& options) {
+std::string default_color(const FlowLineOptions& options) {
   return options.kind == FlowLineKind::path ? "speed" : "time";
 }
 
@@ -81,7 +79,7 @@ std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLi
 TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& options, Progress& progress) {
   options.validate();
   TraceLinesResult result;
-  const Seeds seeds = flow.seeds(options.seeds, kUsualLineSeeds, result.notes);
+  const Seeds seeds = flow.seeds(options.seeds, kDefaultLineSeeds, result.notes);
   FlowLineOptions lines = options.lines;
   lines.closed = seeds.closed;
   const std::vector<CarriedArray> arrays = carried_along(flow, options.carry);
@@ -96,7 +94,6 @@ TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& 
     result.notes.push_back({.code = "outside",
                             .text = fmt::format("{} of {} outside of the flow", grouped(result.report.outside),
                                                 counted(result.report.seeds, "seed")),
-                            .remedy = {},
                             .of = flow.source()});
   return result;
 }

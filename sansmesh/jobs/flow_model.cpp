@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/flow_model.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
@@ -31,7 +32,7 @@ struct FlowModel::State {
   bool unsteady = false;
   std::optional<VolumeModel> volume = {};
   std::vector<Note> notes = {};
-  std::function<std::vector<std::string>()> step_notes = {};  ///< of a series
+  std::function<std::vector<std::string>()> step_notes = {};  ///< notes of a series
 };
 
 namespace {
@@ -40,9 +41,9 @@ constexpr double kGib = 1024.0 * 1024 * 1024;
 constexpr std::string_view kTimeInterpolations[] = {"constant", "linear", "cubic"};
 
 std::string flow_names() {
-  std::string names;
-  for (const AnalyticFlow& f : analytic_flows()) names += fmt::format("{}{}", names.empty() ? "" : ", ", f.name);
-  return names;
+  std::vector<std::string_view> names;
+  for (const AnalyticFlow& f : analytic_flows()) names.push_back(f.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 bool is_formula(const std::string& name) {
@@ -51,31 +52,31 @@ bool is_formula(const std::string& name) {
          std::any_of(flows.begin(), flows.end(), [&](const AnalyticFlow& f) { return f.name == name; });
 }
 
-/// That of this name; of an empty one the first array of vectors. Throws DataError.
+/// The named array, or the first array of vectors. Throws DataError.
 ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
   if (!array.empty()) return volume.choose(array);
   const std::vector<DatasetArray>& arrays = volume.arrays();
   for (const std::size_t components : {std::size_t{3}, std::size_t{2}})
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
-  std::string names;
-  for (const DatasetArray& a : arrays)
-    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", a.name, a.components);
-  throw DataError(volume.name() + ": " +
-                  (names.empty() ? "holds no arrays" : "holds no vectors; its arrays and their components: " + names));
+  std::vector<std::string> names;
+  for (const DatasetArray& a : arrays) names.push_back(fmt::format("{} ({})", a.name, a.components));
+  throw DataError(names.empty() ? volume.name() + ": has no arrays"
+                                : fmt::format("{}: has no vectors; its arrays and their components: {}", volume.name(),
+                                              fmt::join(names, ", ")));
 }
 
-/// A quarter of the memory that this process may use, in bytes.
-std::uint64_t usual_memory() {
+/// A quarter of the memory available to the process, in bytes.
+std::uint64_t default_memory() {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
                page = static_cast<double>(::sysconf(_SC_PAGESIZE));
   double most = pages > 0 && page > 0 ? pages * page : 4.0 * kGib;
-  // Of a container; the file holds a word where there is no limit.
+  // Limit of a container; the file has a word if there is none.
   if (double limit = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) most = std::min(most, limit);
   return whole_part<std::uint64_t>(most / 4);
 }
 
-/// The vectors of a volume.
+/// Flow of the vectors of a volume.
 std::shared_ptr<FlowModel::State> steady_flow(const VolumeModel& volume, const std::string& array, Progress& progress) {
   const ArrayChoice choice = vectors_of(volume, array);
   const std::string &source = volume.name(), &vectors = choice.array;
@@ -92,11 +93,11 @@ std::shared_ptr<FlowModel::State> steady_flow(const VolumeModel& volume, const s
   return flow;
 }
 
-/// Steps that are read as they are needed.
+/// Flow whose steps are read on demand.
 std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& files,
                                                 const VolumeModelOptions& of_volume, const FlowModelOptions& options,
                                                 Progress& progress) {
-  // The first step says which array, which method and, of a file of several, when the others are.
+  // The first step determines the array, the method and, if the file has several steps, the times.
   const bool several = files.size() > 1;
   if (!several && of_volume.read.time_step > 0)
     throw ArgumentError("`time_step`: `unsteady` takes all steps of the file");
@@ -108,8 +109,7 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
   with_name(volume.name(), [&] { check_speeds(array); });
   const std::string source = volume_name(files);
   std::vector<double> times = several ? times_of_series(options.times, files.size()) : volume.times();
-  if (times.size() < 2)
-    throw FileError(source, "holds one step in time: nothing changes (it is a steady flow, without `unsteady`)");
+  if (times.size() < 2) throw FileError(source, "has only one step in time: it is a steady flow (omit `unsteady`)");
   auto flow = std::make_shared<FlowModel::State>(
       FlowModel::State{.field = {},
                        .name = fmt::format("{} of {}, {} steps", choice.array, source, times.size()),
@@ -125,7 +125,7 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
   flow->step_notes = reader.notes;
   FlowSeriesOptions kept;
   kept.interpolation = options.time_interpolation;
-  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : usual_memory();
+  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : default_memory();
   try {
     flow->field = flow_in_time(std::move(times), reader.read, kept);
   } catch (const ArgumentError& error) {
@@ -139,20 +139,18 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
 const OptionSchema& FlowModelOptions::schema() {
   using O = FlowModelOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::unsteady>(
-          {.text = "The flow changes: all steps of the file in time, or several files one after the other"}),
-      option<&O::times>({.text = "Of the files, T0,T1,…, or the first and the step between them",
+      option<&O::unsteady>({.text = "The flow changes in time: use all steps of the file, or several files as steps"}),
+      option<&O::times>({.text = "Times of the files, T0,T1,…, or the first and the interval",
                          .unit = "times",
                          .from_data = "0,1",
                          .needs = "unsteady"}),
       option<&O::time_interpolation>(
-          {.text = "Between steps: constant, linear or cubic", .choices = kTimeInterpolations}),
-      option<&O::memory>({.text = "Steps of a series are kept in so many GiB to be used again",
+          {.text = "Interpolation between steps: constant, linear or cubic", .choices = kTimeInterpolations}),
+      option<&O::memory>({.text = "Memory for steps of a series in GiB",
                           .unit = "gib",
                           .from_data = "a quarter of the machine's",
                           .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void FlowModelOptions::validate() const { validate_options(*this); }
@@ -179,12 +177,12 @@ std::vector<Note> FlowModel::step_notes() const {
   return notes;
 }
 
-Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<Note>& notes) const {
-  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", usual) : text, field().bounds());
+Seeds FlowModel::seeds(const std::string& text, std::size_t default_count, std::vector<Note>& notes) const {
+  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", default_count) : text, field().bounds());
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
     const TriangleMesh surface = read_mesh(seeds.file);
-    for (const Vec3f& v : surface.vertices) seeds.points.push_back(surface.origin + Vec3(v));
+    seeds.points = world_points(surface.origin, surface.vertices);
   } else {
     seeds.points = read_point_table(seeds.file);
   }
@@ -193,14 +191,13 @@ Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<N
   if (seeds.points.empty()) throw FileError(seeds.file, "holds no finite points");
   if (const std::size_t gone = all - seeds.points.size(); gone > 0)
     notes.push_back({.code = "not_finite",
-                     .text = fmt::format("{} of {} not finite, and left out", grouped(gone), counted(all, "seed")),
-                     .remedy = {},
+                     .text = fmt::format("{} of {} dropped: not finite", grouped(gone), counted(all, "seed")),
                      .of = seeds.file});
   return seeds;
 }
 
 Seeds FlowModel::seed_curve(const std::string& text, std::vector<Note>& notes) const {
-  if (text.empty()) throw ArgumentError("`seeds` is needed: a curve such as line(0,0,0, 1,0,0, 100)");
+  if (text.empty()) throw ArgumentError("`seeds` is required: a curve, for example line(0,0,0, 1,0,0, 100)");
   Seeds seeds = this->seeds(text, 0, notes);
   if (!seeds.curve) throw ArgumentError("`seeds` must be a curve: line, circle, curve(FILE) or loop(FILE)");
   try {
@@ -214,9 +211,8 @@ Seeds FlowModel::seed_curve(const std::string& text, std::vector<Note>& notes) c
 
 DataError in_flow(const FlowModel& flow, const DataError& error) {
   const Box3 box = flow.field().bounds();
-  return DataError(fmt::format("{}: {} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))",
-                               flow.source(), error.what(), box.lower.x, box.lower.y, box.lower.z, box.upper.x,
-                               box.upper.y, box.upper.z));
+  return DataError(fmt::format("{}: {} (it is between {} and {})", flow.source(), error.what(), point_words(box.lower),
+                               point_words(box.upper)));
 }
 
 FlowModel open_flow(const std::vector<std::string>& files, const VolumeModelOptions& volume,

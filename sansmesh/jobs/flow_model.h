@@ -1,4 +1,4 @@
-// Errors of a flow that say where it lies.
+// Adds the position of a flow to its errors.
 #pragma once
 
 #include "sansmesh/error.h"
@@ -6,7 +6,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// The same error with the flow's source before it and its box behind.
+/// The same error, preceded by the flow's source and followed by its box.
 DataError in_flow(const FlowModel& flow, const DataError& error);
 
 }  // namespace sansmesh::inline v1

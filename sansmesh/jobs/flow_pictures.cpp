@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
@@ -23,40 +24,32 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kDark = 0.45;          // of the range of values: colours that are left out below it
-constexpr double kScaleEnd = 0.01;      // share of the particles beyond each end of the scale of colours
+constexpr double kDark = 0.45;          // dark part of the range that is not used for colours
+constexpr double kScaleEnd = 0.01;      // share of the particles clipped at each end of the colour scale
 constexpr double kMostTurn = 3600;      // degrees
-constexpr int kLeastBesideBars = 100;   // pixels
-constexpr double kArrowSpacing = 0.06;  // of the surface's diagonal
-constexpr double kArrowLength = 0.7;    // of their distance
+constexpr double kArrowSpacing = 0.06;  // share of the surface's diagonal
+constexpr double kArrowLength = 0.7;    // share of their distance
 constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
 
-/// The surface as it is drawn, with what its colours mean.
-struct ColoredSurface {
-  FlowSubject subject;
-  std::optional<TransferFunction> colors;
-  std::string title;
-};
-
-/// The array that colours are by, if it is one. Throws ArgumentError.
+/// Array of the colours, if it is one. Throws ArgumentError.
 std::optional<ArrayChoice> color_array(const FlowModel& flow, const std::string& by) {
   if (by == "time" || by == "speed" || by == "seed" || by == "none") return std::nullopt;
   if (!flow.volume()) throw ArgumentError("`color_by` an array needs a steady flow of a file");
   return flow.volume()->scalar_choice(by, "color_by");
 }
 
-/// Without what few particles have, which would take the colours from all others.
+/// Ends of the scale without rare values, which would compress all other colours.
 std::pair<double, double> scale_ends(std::vector<double> values) {
   const auto at = [&](double share) {
-    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
   };
   const double lower = at(kScaleEnd), upper = at(1 - kScaleEnd);
   return lower < upper ? std::pair(lower, upper) : std::pair(at(0), at(1));
 }
 
-/// Those of the preset "flow" but for its darkest: on those neither light nor streaks would be seen.
+/// Colours of the preset "flow" without the darkest, on which shading and streaks would be invisible.
 TransferFunction light_colors(const ValueHistogram& values) {
   TransferFunction colors = transfer_function_preset("flow", values);
   const auto [lower, upper] = colors.range();
@@ -65,7 +58,7 @@ TransferFunction light_colors(const ValueHistogram& values) {
   return colors;
 }
 
-/// Arrows along the flow, half sunk into the surface: they are seen from both sides.
+/// Arrows along the flow, half sunk into the surface, so that both sides show them.
 TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
   const double size = bounds(surface.mesh).diagonal();
   if (spacing > size)
@@ -82,13 +75,13 @@ TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
   return arrows(positions, vectors, options);
 }
 
-/// The volume that the surface stands in: seen through, with iso-surfaces.
+/// Volume rendered around the surface, with iso-surfaces.
 class VolumeAround {
  public:
   VolumeAround(const FlowPictureOptions& o, const VolumeModel& volume, const std::string& vectors,
                std::vector<Note>& notes, Progress& progress)
       : samples_(volume.samples(progress)) {
-    // Of vectors as a scalar the length: the speed.
+    // As a scalar, vectors are represented by their length, the speed.
     const std::string name = o.volume_array.empty() ? vectors : o.volume_array;
     field_ = volume.field(volume.scalar_choice(name, "volume_array"), progress, notes);
     options_.color_title = name;
@@ -104,14 +97,14 @@ class VolumeAround {
     options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
                                          : transfer_function_preset(o.preset, values);
   }
-  Image render(const RenderOptions& picture, std::vector<PictureSurface> surfaces, Progress& progress) {
+  Image render(const RenderOptions& picture, std::vector<SceneFactory> surfaces, Progress& progress) {
     options_.picture = picture;
     picture_->set_surfaces(std::move(surfaces));
     return picture_->render(options_, progress);
   }
-  /// Pixels that its colour bar takes.
+  /// Width of its colour bar in pixels.
   int bar_width(int height) const {
-    return options_.color_bar ? value_bar_width(height, *options_.transfer, options_.color_title) : 0;
+    return options_.color_bar ? color_bar_width(height, *options_.transfer, options_.color_title) : 0;
   }
 
  private:
@@ -122,7 +115,7 @@ class VolumeAround {
   std::optional<VolumePicture> picture_;
 };
 
-/// All that the pictures of one surface share.
+/// Data that the pictures of one surface share.
 class SurfacePictures {
  public:
   SurfacePictures(const FlowModel& flow, const FlowPictureOptions& options, Progress& progress)
@@ -136,20 +129,23 @@ class SurfacePictures {
     if (surface_.mesh.triangles.empty()) throw in_flow(flow, DataError("the surface is empty"));
     result_.surface = surface_.report;
     Box3 box;
-    for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
+    for (const FlowPoint& p : surface_.points) points_.push_back(p.position), box.extend(p.position);
     if (options.any_view)
       if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
-    leave_room();
-    sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), picture_);
+    result_.width = picture_.view.width, result_.height = picture_.view.height;
+    const int height = picture_.view.height;
+    reserve_width(picture_, (bar_ ? bar_->width(height) : 0) + (around_ ? around_->bar_width(height) : 0),
+                  "colour bars", "bar");
+    sheet_ = std::make_unique<DrawnFlow>(std::move(subject_), picture_);
   }
 
-  void stand_beside(std::vector<PictureSurface> beside) {
+  void draw_beside(std::vector<SceneFactory> beside) {
     beside_ = std::move(beside);
     if (!options_.arrows) return;
     RenderOptions dark = picture_;
     dark.look.surface_color = kArrowColor;
-    beside_.push_back(surface_in_picture(arrows_on(surface_, *options_.arrows), dark));
+    beside_.push_back(scene_factory(arrows_on(surface_, *options_.arrows), dark));
   }
 
   Image at(int frame) {
@@ -159,28 +155,27 @@ class SurfacePictures {
     FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
     if (options_.textured) of_surface.texture = options_.streaks;
     if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
-    std::vector<PictureSurface> surfaces = beside_;
+    std::vector<SceneFactory> surfaces = beside_;
     surfaces.push_back(sheet_->surface(of_surface));
     picture.view.steady = options_.turn != 0;
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
-                          : render_surfaces(surfaces, places_, options_.opacity < 1, picture, progress_);
+                          : render_surfaces(surfaces, points_, options_.opacity < 1, picture, progress_);
     if (!options_.title.empty()) draw_title(image, options_.title);
-    const Image paper = paper_beside(picture);
-    return bar_ ? beside_value_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
+    return beside_bar(image, bar_, picture);
   }
 
   const RenderOptions& picture() const { return picture_; }
   FlowPicturesResult result() { return std::move(result_); }
 
  private:
-  /// Values that the colours stand for; none without.
+  /// Values of the colours; empty without.
   std::vector<double> color_values(const std::optional<ArrayChoice>& array) {
     const std::string& by = options_.color_by;
     std::vector<double> values;
     if (by == "none") return values;
     values.resize(surface_.points.size());
     if (array) {
-      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = places_}, {.values = values});
+      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = points_}, {.values = values});
       return values;
     }
     std::transform(surface_.points.begin(), surface_.points.end(), values.begin(), [&](const FlowPoint& p) {
@@ -191,16 +186,15 @@ class SurfacePictures {
 
   void color_surface(const std::optional<ArrayChoice>& array) {
     const std::string& by = options_.color_by;
-    drawn_ = {{surface_.mesh, {}, {}}, {}, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
-    FlowSubject& subject = drawn_.subject;
+    subject_ = {surface_.mesh, {}, {}};
     double fastest = 0;
     for (const FlowPoint& p : surface_.points) fastest = std::max(fastest, norm(p.velocity));
     for (const FlowPoint& p : surface_.points) {
-      subject.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
-      subject.fronts.push_back(p.front);
+      subject_.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+      subject_.fronts.push_back(p.front);
     }
     const std::vector<double> values = color_values(array);
-    subject.mesh.colors.clear();
+    subject_.mesh.colors.clear();
     if (values.empty()) return;
     ValueHistogram histogram = value_histogram(values);
     if (by != "time" && by != "seed") {
@@ -209,24 +203,9 @@ class SurfacePictures {
       histogram.most = std::min(histogram.most, histogram.upper);
     }
     const bool signs = histogram.least < 0 && histogram.most > 0 && by != "time";
-    drawn_.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
-    subject.mesh.colors.reserve(values.size());
-    for (const double v : values) {
-      const Vec3f c = drawn_.colors->color(v);
-      subject.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-    }
-  }
-
-  /// For the bars, in the width of the picture.
-  void leave_room() {
-    result_.width = picture_.view.width, result_.height = picture_.view.height;
-    bar_ = drawn_.colors && options_.bar;
-    const int bars = (bar_ ? value_bar_width(picture_.view.height, *drawn_.colors, drawn_.title) : 0) +
-                     (around_ ? around_->bar_width(picture_.view.height) : 0);
-    if (bars > 0 && picture_.view.width < bars + kLeastBesideBars)
-      throw ArgumentError(
-          fmt::format("`width = {}` is too narrow: colour bars take {} of it", picture_.view.width, bars));
-    picture_.view.width -= bars;
+    const TransferFunction colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
+    for (const double v : values) subject_.mesh.colors.push_back(to_bytes(colors.color(v)));
+    if (options_.bar) bar_ = {colors, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
   }
 
   const FlowModel& flow_;
@@ -235,10 +214,10 @@ class SurfacePictures {
   Progress& progress_;
   std::unique_ptr<VolumeAround> around_;
   FlowSurface surface_;
-  std::vector<Vec3> places_;
-  ColoredSurface drawn_;
-  bool bar_ = false;
-  std::vector<PictureSurface> beside_;
+  std::vector<Vec3> points_;
+  FlowSubject subject_;
+  std::optional<ColorBar> bar_;
+  std::vector<SceneFactory> beside_;
   std::unique_ptr<DrawnFlow> sheet_;
   FlowPicturesResult result_;
 };
@@ -250,66 +229,63 @@ const OptionSchema& FlowPictureOptions::schema() {
   static const OptionRow rows[] = {
       option_group<&O::picture>(RenderOptions::schema().rows),
       option_group<&O::trace>(TraceSurfaceOptions::schema().rows),
-      option<&O::textured>({.text = "Without streaks along the flow (line integral convolution)",
-                            .name = "streaks",
-                            .old_name = "smooth"}),
+      option<&O::textured>(
+          {.text = "Omit streaks along the flow (line integral convolution)", .name = "streaks", .old_name = "smooth"}),
       option_group<&O::streaks>(FlowTextureOptions::schema().rows),
-      option<&O::splats>({.text = "Particles as discs that blend, as in the source, not the mesh"}),
-      option<&O::opacity>(
-          {.text = "Of the surface where it is seen at right angles", .unit = "share", .range = {0, 1}}),
-      option<&O::arrows>({.text = "Arrows along the flow, so far apart, as `arrows`=0.1; 0: from the surface's "
+      option<&O::splats>({.text = "Draw particles as blended discs instead of the mesh"}),
+      option<&O::opacity>({.text = "Opacity of the surface seen perpendicularly", .unit = "share", .range = {0, 1}}),
+      option<&O::arrows>({.text = "Draw arrows along the flow at this distance (`arrows`=0.1); 0: from the surface's "
                                   "size",
                           .unit = "length",
                           .range = at_least(0),
                           .implied = "0"}),
-      option<&O::color_by>({.text = "time, speed, seed (place on the curve), none, or another array", .unit = "name"}),
-      option<&O::frames>(
-          {.text = "So many pictures, NAME_000.png, …, in which the streaks move with the flow", .range = {2, 100000}}),
-      option<&O::turn>({.text = "With `frames`: by so much the view goes around",
+      option<&O::color_by>(
+          {.text = "Quantity: time, speed, seed (position on the curve), none, or another array", .unit = "name"}),
+      option<&O::frames>({.text = "Number of pictures, NAME_000.png, …, in which the streaks move with the flow",
+                          .range = {2, 100000}}),
+      option<&O::turn>({.text = "With `frames`: total rotation of the view",
                         .unit = "degrees",
                         .range = {-kMostTurn, kMostTurn},
                         .needs = "frames"}),
-      option<&O::volume_array>({.text = "Array that is seen through around it", .unit = "name", .old_name = "volume"}),
-      option<&O::preset>({.text = "Its colours and opacities, as of pictures of volumes",
+      option<&O::volume_array>(
+          {.text = "Array rendered as a volume around the surface", .unit = "name", .old_name = "volume"}),
+      option<&O::preset>({.text = "Colours and opacities of the volume",
                           .unit = "name",
                           .needs = "volume_array",
                           .usual_words = transfer_function_presets(),
                           .old_name = "volume_preset"}),
-      option<&O::opacity_factor>({.text = "Multiplies its opacity",
+      option<&O::opacity_factor>({.text = "Factor of the volume's opacity",
                                   .unit = "factor",
                                   .range = {0, 1000},
                                   .needs = "volume_array",
                                   .old_name = "volume_opacity"}),
-      option<&O::isos>({.text = "Surface of a value of that array (else of the speed): V, V:#rrggbb, "
+      option<&O::isos>({.text = "Iso-surface of that array (or of the speed): V, V:#rrggbb, "
                                 "V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
                         .name = "iso"}),
-      option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::label>({.text = "Of the colour bar: what is shown", .from_data = "what `color_by` says"}),
-      option<&O::unit>({.text = "Of what is shown, at the colour bar", .unit = "unit"}),
-      option<&O::title>({.text = "Above the picture"})};
-  static const OptionSchema schema{rows};
-  return schema;
+      option<&O::bar>({.text = "Omit the colour bar"}),
+      option<&O::label>({.text = "Label of the colour bar", .from_data = "that of `color_by`"}),
+      option<&O::unit>({.text = "Unit at the colour bar", .unit = "unit"}),
+      option<&O::title>({.text = "Title above the picture"})};
+  return option_schema<rows>();
 }
 
 void FlowPictureOptions::validate() const {
   trace.validate();
-  static const FlowPictureOptions usual{};  // g++ 12 takes a local one for uninitialized
-  validate_options(schema(), this, &usual);
+  static const FlowPictureOptions defaults{};  // g++ 12 warns that a local one is uninitialized
+  validate_options(schema(), this, &defaults);
   picture.validate();
   if (const auto known = transfer_function_presets();
       !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())
     throw ArgumentError(ArgumentFault{.field = "preset",
                                       .value = "'" + printable(preset, 60) + "'",
-                                      .allowed = fmt::format("one of {}", fmt::join(known, ", ")),
-                                      .remedy = {}});
+                                      .allowed = fmt::format("one of {}", fmt::join(known, ", "))});
   if (!textured && !options_set(streaks).empty())
-    throw ArgumentError(fmt::format("`{}` means nothing with `streaks = false`", options_set(streaks)[0]));
+    throw ArgumentError(fmt::format("`{}` needs `streaks`", options_set(streaks)[0]));
   if (frames && !textured && turn == 0)
     throw ArgumentError("`frames` moves streaks: with `streaks = false` it needs `turn`");
   if ((!label.empty() || !unit.empty()) && (!bar || color_by == "none"))
-    throw ArgumentError(
-        "`label` and `unit` stand at the colour bar: not with `bar = false`, nor with `color_by = none`");
+    throw ArgumentError("`label` and `unit` are for the colour bar: not with `bar = false` or `color_by = none`");
 }
 
 void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
@@ -319,11 +295,11 @@ void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
 }
 
 FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress) {
+                                 std::vector<SceneFactory> beside, const UsePicture& use, Progress& progress) {
   options.validate();
   check_colors(flow, options);
   SurfacePictures pictures(flow, options, progress);
-  pictures.stand_beside(std::move(beside));
+  pictures.draw_beside(std::move(beside));
   for (int k = 0; k < options.frames.value_or(1); ++k) {
     const Image image = [&] {
       try {
@@ -337,16 +313,9 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
   return pictures.result();
 }
 
-namespace {
-
-constexpr ReportRow kFlowPicturesResultRows[] = {
-    reported<&FlowPicturesResult::surface>({.text = "Surface that was traced"})};
-
-}  // namespace
-
 const ReportSchema& FlowPicturesResult::schema() {
-  static constexpr ReportSchema schema{kFlowPicturesResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&FlowPicturesResult::surface>({.text = "Traced surface"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -19,12 +19,12 @@ namespace {
 
 constexpr double kMostSpeed = 1e35;
 
-/// Notes of later steps that the first step does not have.
+/// Notes on later steps that the first step does not have.
 class StepNotes {
  public:
   explicit StepNotes(std::vector<std::string> first) : first_(std::move(first)) {}
 
-  /// From any thread; the last call for a step counts.
+  /// Thread-safe; the last call for a step counts.
   void add(std::size_t step, const std::string& name, const std::vector<std::string>& notes) {
     std::string more;
     for (const std::string& note : notes)
@@ -38,7 +38,7 @@ class StepNotes {
     if (of_step_.empty()) return {};
     std::string line = of_step_.begin()->second;
     if (const std::size_t more = of_step_.size() - 1; more > 0)
-      line += fmt::format("; {} {} something of the kind", counted(more, "more step"), more == 1 ? "has" : "have");
+      line += fmt::format("; {} {} similar notes", counted(more, "more step"), more == 1 ? "has" : "have");
     return {line};
   }
 
@@ -74,7 +74,7 @@ class StepReader {
         notes.add(i, name, said);
       };
       if (read.field->components() != series_.array.components)
-        throw DataError(fmt::format("{} holds vectors of {} components, the first step of {}", series_.array.name,
+        throw DataError(fmt::format("{} has vectors of {} components, the first step of {}", series_.array.name,
                                     read.field->components(), series_.array.components));
       return read;
     } catch (const ArgumentError& error) {
@@ -85,7 +85,7 @@ class StepReader {
   }
 
  private:
-  /// Nothing else is needed of a step.
+  /// Drops all other arrays of a step.
   void keep_array(GridData& data, const std::string& file, const std::string& step) const {
     const DatasetArray& array = series_.array;
     bool found = false;
@@ -124,8 +124,8 @@ void check_speeds(const DatasetArray& vectors) {
   for (std::size_t c = 0; c < vectors.components; ++c)
     if (!std::isnan(vectors.least[c])) most = std::max({most, std::abs(vectors.least[c]), std::abs(vectors.most[c])});
   if (most > kMostSpeed || (most > 0 && most < 1 / kMostSpeed))
-    throw DataError(fmt::format("{}: vectors of up to {:.4g} are too {} to be followed", printable(vectors.name, 60),
-                                most, most > 1 ? "large" : "small"));
+    throw DataError(fmt::format("{}: vectors of up to {:.4g} are too {} to trace", printable(vectors.name, 60), most,
+                                most > 1 ? "large" : "small"));
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// The steps of a flow in time, read one at a time.
+// Steps of an unsteady flow, read one at a time.
 #pragma once
 
 #include <functional>
@@ -12,9 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Choices of the first step, which hold for all.
+/// Choices made at the first step, which apply to all.
 struct FlowSeries {
-  std::vector<std::string> files;  ///< a step each; of one file its steps
+  std::vector<std::string> files;  ///< one file per step, or a single file with all steps
   VolumeReadOptions read;
   DatasetArray array;
   ArrayChoice choice;
@@ -25,13 +25,13 @@ struct FlowSeries {
 
 struct FlowStepReader {
   std::function<FlowStep(std::size_t)> read;
-  /// "step 3: this; 2 more steps have something of the kind": of what was read until now, beside the first step's.
+  /// "step 3: this; 2 more steps have similar notes": notes on the steps read so far, except the first.
   std::function<std::vector<std::string>()> notes;
 };
-/// Throws nothing itself; `read` throws FileError.
+/// `read` throws FileError.
 FlowStepReader flow_step_reader(FlowSeries series);
 
-/// Speeds and times of particles are floats. Throws DataError for vectors that make others of them.
+/// Throws DataError for vectors whose particle speeds or times exceed the range of float.
 void check_speeds(const DatasetArray& vectors);
 
 }  // namespace sansmesh::inline v1

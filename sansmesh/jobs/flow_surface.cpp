@@ -16,12 +16,11 @@ const OptionSchema& TraceSurfaceOptions::schema() {
   using O = TraceSurfaceOptions;
   static const OptionRow rows[] = {option<&O::seeds>({.text = kSeedsText, .unit = "seeds"}),
                                    option_group<&O::surface>(FlowSurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void TraceSurfaceOptions::validate() const {
-  if (seeds.empty()) throw ArgumentError("`seeds` is needed: a curve such as line(0,0,0, 1,0,0, 100)");
+  if (seeds.empty()) throw ArgumentError("`seeds` is required: a curve, for example line(0,0,0, 1,0,0, 100)");
   surface.validate();
 }
 
@@ -44,35 +43,29 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
   result.area = measure_size(result.surface.mesh).area;
   const FlowSurfaceReport& r = result.surface.report;
   if (!r.complete && r.moments_meet)
-    note("moments_meet", "ended where fronts are so near in time that their moments are the same number",
-         "a `start` nearer to 0 tells them apart");
+    note("moments_meet", "ended where the times of successive fronts are equal in double precision",
+         "a `start` nearer to 0 separates them");
   else if (!r.complete)
-    note("too_many", "ended after as many fronts or particles as are allowed", "`duration` or `length` gives an end");
+    note("too_many", "ended at the limit of fronts or particles", "set `duration` or `length`");
   if (const std::size_t outside = r.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
     note("outside",
-         fmt::format("{} of {} began outside of the flow", grouped(outside), counted(r.particles, "particle")));
+         fmt::format("{} of {} started outside the flow", grouped(outside), counted(r.particles, "particle")));
   return result;
 }
 
 std::vector<std::string> summary_of(const FlowSurfaceReport& r) {
-  return {fmt::format("{} on {}, {} apart at the seeds", counted(r.particles, "particle"), counted(r.fronts, "front"),
-                      length_words(r.spacing)),
-          fmt::format("{} put between others, {} left out, {}", grouped(r.inserted), grouped(r.removed),
-                      counted(r.tears, "tear"))};
+  return {
+      fmt::format("{} on {}, {} apart at the seeds", counted(r.particles, "particle"), counted(r.fronts, "front"),
+                  length_words(r.spacing)),
+      fmt::format("{} inserted, {} removed, {}", grouped(r.inserted), grouped(r.removed), counted(r.tears, "tear"))};
 }
 
-namespace {
-
-constexpr ReportRow kTraceSurfaceResultRows[] = {
-    reported<[](const TraceSurfaceResult& r) { return r.surface.report; }>(
-        {.name = "surface", .text = "Surface that was traced"}),
-    reported<&TraceSurfaceResult::area>({.text = "Area of its mesh", .unit = "length²"})};
-
-}  // namespace
-
 const ReportSchema& TraceSurfaceResult::schema() {
-  static constexpr ReportSchema schema{kTraceSurfaceResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const TraceSurfaceResult& r) { return r.surface.report; }>(
+          {.name = "surface", .text = "Traced surface"}),
+      reported<&TraceSurfaceResult::area>({.text = "Area of its mesh", .unit = "length²"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

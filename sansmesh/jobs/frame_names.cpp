@@ -15,7 +15,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 void check_holds_several(const std::string& file) {
-  if (file.starts_with(kStandardOutput)) throw ArgumentError("standard output holds one file, not several");
+  if (file.starts_with(kStandardOutput)) throw ArgumentError("standard output can hold only one file");
 }
 
 }  // namespace
@@ -42,23 +42,23 @@ std::string part_name(const std::string& file, std::size_t number, std::size_t p
 }
 
 void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector<std::string>& results) {
-  const auto place = [](const std::string& file) {
+  const auto canonical = [](const std::string& file) {
     std::error_code ignored;
     return std::filesystem::weakly_canonical(file, ignored);
   };
   std::set<std::filesystem::path> known;
   for (const std::string& file : inputs)
-    if (!file.empty()) known.insert(place(file));
+    if (!file.empty()) known.insert(canonical(file));
   const auto is_known = [&](const std::string& file) {
     std::error_code ignored;
-    // By another name, too: a link.
-    return known.contains(place(file)) || std::any_of(known.begin(), known.end(), [&](const auto& input) {
+    // Also finds inputs with another name: links.
+    return known.contains(canonical(file)) || std::any_of(known.begin(), known.end(), [&](const auto& input) {
              return std::filesystem::equivalent(input, file, ignored);
            });
   };
   for (const std::string& file : results)
     if (!file.empty() && is_known(file))
-      throw FileError(file, "is an input, which a result would overwrite: another `output` is needed");
+      throw FileError(file, "is an input, which a result would overwrite: choose another `output`");
 }
 
 }  // namespace sansmesh::inline v1

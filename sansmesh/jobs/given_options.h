@@ -1,4 +1,4 @@
-// Options that mean nothing beside others.
+// Rejects options that do not apply.
 #pragma once
 
 #include <initializer_list>
@@ -13,7 +13,7 @@ struct GivenOption {
   bool given;
 };
 
-/// Throws ArgumentError naming the first that was given: "`field` is for meshes".
+/// Throws ArgumentError naming the first given option: "`field` is for meshes".
 inline void refuse(std::initializer_list<GivenOption> options, const char* why) {
   for (const GivenOption& o : options)
     if (o.given) throw ArgumentError('`' + std::string(o.field) + "` " + why);

@@ -43,7 +43,7 @@ const char* shape_words(CloudShape shape) {
   return "";
 }
 
-/// The shape of a cloud in words, or how far its parts are apart where that hides their shape.
+/// Shape of a cloud as text, or the distance between its parts if that hides their shape.
 std::string span_words(const PointSet& points) {
   if (const auto parts = find_far_parts(points)) return fmt::format("parts {:.3g} apart", parts->apart);
   return shape_words(classify_shape(points));
@@ -93,8 +93,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   return info;
 }
 
-FunctionInfo info(const SurfaceFunction& told) {
-  const FittedFunction& function = told.fitted();
+FunctionInfo info(const SurfaceFunction& described) {
+  const FittedFunction& function = described.fitted();
   const PartitionReport& r = function.field.report();
   const LocalFrame& frame = function.frame;
   FunctionInfo info;
@@ -103,7 +103,7 @@ FunctionInfo info(const SurfaceFunction& told) {
   info.creased = r.creased;
   info.depth = r.depth;
   info.open_share = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
-  info.behind = r.behind;
+  info.mean_winding_number = r.mean_winding_number;
   info.samples = function.samples->size();
   info.colors = function.samples->has_colors();
   info.cube = frame.to_input(function.field.bounds());
@@ -115,30 +115,24 @@ FunctionInfo info(const SurfaceFunction& told) {
   return info;
 }
 
-namespace {
-
-constexpr ReportRow kFunctionInfoRows[] = {
-    reported<&FunctionInfo::fits>({.text = "Local fits"}),
-    reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
-    reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
-    reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-    reported<&FunctionInfo::behind>(
-        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
-    reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
-    reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),
-    reported<&FunctionInfo::spacing>({.text = "Spacing of the samples", .unit = "length"}),
-    reported<&FunctionInfo::deviation>(
-        {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
-    reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
-    reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
-    reported<&FunctionInfo::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
-    reported<&FunctionInfo::history>({.text = "Edits that were made"})};
-
-}  // namespace
-
 const ReportSchema& FunctionInfo::schema() {
-  static constexpr ReportSchema schema{kFunctionInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&FunctionInfo::fits>({.text = "Local fits"}),
+      reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+      reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
+      reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+      reported<&FunctionInfo::mean_winding_number>(
+          {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
+      reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
+      reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),
+      reported<&FunctionInfo::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+      reported<&FunctionInfo::deviation>(
+          {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
+      reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
+      reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
+      reported<&FunctionInfo::paper>({.text = "Construction of blocks, for fits by a published method"}),
+      reported<&FunctionInfo::history>({.text = "Edits of the function"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -151,22 +145,21 @@ std::vector<std::optional<double>> ends_of(const AttributeInfo& info, bool upper
   return ends;
 }
 
-constexpr ReportRow kAttributeInfoRows[] = {
-    reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
-    reported<&AttributeInfo::of>({.text = "What has it: point, triangle or cell"}),
-    reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
-    reported<[](const AttributeInfo& r) { return r.ranges.size(); }>({.name = "components", .text = "Numbers of each"}),
-    reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
-        {.name = "lower", .text = "Least number of each component"}),
-    reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
-        {.name = "upper", .text = "Largest number of each component"}),
-    reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, of arrays of volumes"})};
-
 }  // namespace
 
 const ReportSchema& AttributeInfo::schema() {
-  static constexpr ReportSchema schema{kAttributeInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
+      reported<&AttributeInfo::of>({.text = "Kind of element: point, triangle or cell"}),
+      reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
+      reported<[](const AttributeInfo& r) { return r.ranges.size(); }>(
+          {.name = "components", .text = "Numbers per element"}),
+      reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
+          {.name = "lower", .text = "Least number of each component"}),
+      reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
+          {.name = "upper", .text = "Largest number of each component"}),
+      reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, for arrays of volumes"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -180,37 +173,35 @@ std::optional<ReportCounts> counted_classes(const CloudInfo& info) {
   return counts;
 }
 
-constexpr ReportRow kCloudInfoRows[] = {
-    reported<&CloudInfo::points>({.text = "Points or vertices"}),
-    reported<&CloudInfo::duplicates>({.text = "Points in the place of another"}),
-    reported<[](const CloudInfo& r) { return r.box.lower; }>(
-        {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
-    reported<[](const CloudInfo& r) { return r.box.upper; }>(
-        {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
-    reported<&CloudInfo::spans>({.text = "Shape of all in words"}),
-    reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
-    reported_beside<&CloudInfo::noise>(),
-    reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, in words"}),
-    reported<&CloudInfo::normals>({.name = "orientation", .text = "How normals are oriented"}),
-    reported<&CloudInfo::orient_by>({.text = "From what normals would get their signs", .choices = kOrientByWords}),
-    reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
-    reported<&CloudInfo::attributes>({.text = "Attributes"}),
-    reported<&CloudInfo::scanners>({.text = "Scanners whose positions are known"}),
-    reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
-    reported<&CloudInfo::mesh>({.text = "How triangles hang together, sewn where borders lie on each other"}),
-    reported<[](const CloudInfo& r) { return counted_classes(r); }>(
-        {.name = "classes", .text = "Points of each class, by its number"})};
-
 }  // namespace
 
 const ReportSchema& CloudInfo::schema() {
-  static constexpr ReportSchema schema{kCloudInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CloudInfo::points>({.text = "Points or vertices"}),
+      reported<&CloudInfo::duplicates>({.text = "Points that coincide with another"}),
+      reported<[](const CloudInfo& r) { return r.box.lower; }>(
+          {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
+      reported<[](const CloudInfo& r) { return r.box.upper; }>(
+          {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
+      reported<&CloudInfo::spans>({.text = "Shape of the cloud, as text"}),
+      reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
+      reported_beside<&CloudInfo::noise>(),
+      reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, as text"}),
+      reported<&CloudInfo::normals>({.name = "orientation", .text = "Orientation of the normals"}),
+      reported<&CloudInfo::orient_by>({.text = "Source of signs for new normals", .choices = kOrientByWords}),
+      reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
+      reported<&CloudInfo::attributes>({.text = "Attributes"}),
+      reported<&CloudInfo::scanners>({.text = "Scanners with known positions"}),
+      reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
+      reported<&CloudInfo::mesh>({.text = "Connectivity of the triangles, sewn along coincident borders"}),
+      reported<[](const CloudInfo& r) { return counted_classes(r); }>(
+          {.name = "classes", .text = "Points of each class, by its number"})};
+  return report_schema<rows>();
 }
 
 namespace {
 
-/// How many points there are of each class.
+/// Number of points in each class.
 std::string classes_words(const CloudInfo& made) {
   std::string text;
   for (unsigned c = 0; made.classes && c < made.classes->size(); ++c) {
@@ -225,14 +216,12 @@ std::string classes_words(const CloudInfo& made) {
 }  // namespace
 
 std::string box_words(const Box3& box) {
-  const auto& [lower, upper] = box;
-  return fmt::format("from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", lower.x, lower.y, lower.z,
-                     upper.x, upper.y, upper.z);
+  return fmt::format("from {} to {}", point_words(box.lower, 10), point_words(box.upper, 10));
 }
 
 std::string array_words(const AttributeInfo& a) {
   constexpr std::size_t kMostRanges = 9;
-  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
+  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys need the last digits
   std::string ranges;
   for (std::size_t c = 0; c < std::min(kMostRanges, a.ranges.size()); ++c) {
     const auto& range = a.ranges[c];
@@ -249,9 +238,8 @@ std::vector<std::string> summary_of(const CloudInfo& made) {
   std::vector<std::string> lines;
   const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
   line("points",
-       fmt::format(
-           "{}{}", grouped(made.points),
-           made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : ""));
+       fmt::format("{}{}", grouped(made.points),
+                   made.duplicates > 0 ? fmt::format(", {} of them duplicates", grouped(made.duplicates)) : ""));
   line("box", fmt::format("{}, {}", size_words(made.size), box_words(made.box)));
   line("spans", made.spans);
   line("spacing", length_words(made.spacing));
@@ -282,7 +270,8 @@ std::vector<std::string> summary_of(const FunctionInfo& made) {
                               made.colors ? ", with colours" : ""));
   line("cube", box_words(made.cube));
   line("spacing", length_words(made.spacing));
-  line("deviation", fmt::format("{} (of the samples from it, root mean square)", length_words(made.deviation)));
+  line("deviation",
+       fmt::format("{} (of the samples from the surface, root mean square)", length_words(made.deviation)));
   line("accuracy", fmt::format("{} (expected error of the surface)", length_words(made.accuracy)));
   for (const std::string& edit : made.history) line("edited", edit);
   return lines;

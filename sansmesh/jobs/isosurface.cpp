@@ -1,4 +1,4 @@
-// The surface on which a quantity of a volume has a value, as a mesh.
+// Isosurfaces of volumes as meshes.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
@@ -17,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The arrays of `carry`. Throws ArgumentError for names of none.
+/// Arrays of `carry`. Throws ArgumentError for unknown names.
 std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::string& carry) {
   std::vector<std::string> wanted;
   if (carry == "none") return wanted;
@@ -32,13 +33,11 @@ std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::s
   return wanted;
 }
 
-/// Interpolated in the grid's own way; whole numbers, which are labels, as they are.
+/// Interpolates as the grid does; integer arrays are labels and are not interpolated.
 void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volume, VolumeIsosurfaceResult& result,
                  Progress& progress) {
   TriangleMesh& mesh = result.mesh;
-  std::vector<Vec3> x;
-  x.reserve(mesh.vertices.size());
-  for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
+  const std::vector<Vec3> x = world_points(mesh.origin, mesh.vertices);
   for (const std::string& name : wanted) {
     ReconstructionOptions options;
     options.method = is_real(dataset_of(volume).array(name).type) ? "linear" : "nearest";
@@ -51,8 +50,7 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
       result.notes.push_back(
           {.code = "not_carried",
-           .text = fmt::format("{} is not carried along: its values do not fit into floats", printable(name, 60)),
-           .remedy = {},
+           .text = fmt::format("{} is not carried: its values do not fit into floats", printable(name, 60)),
            .of = volume.name()});
       continue;
     }
@@ -65,11 +63,10 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
 const OptionSchema& VolumeIsosurfaceOptions::schema() {
   using O = VolumeIsosurfaceOptions;
   static const OptionRow rows[] = {
-      option<&O::value>({.text = "Value on the surface", .from_data = "the middle of the array's range"}),
-      option<&O::carry>({.text = "Arrays for the vertices: all, none, or names with commas between", .unit = "names"}),
+      option<&O::value>({.text = "Isovalue", .from_data = "the middle of the array's range"}),
+      option<&O::carry>({.text = "Arrays sampled at the vertices: all, none, or names with commas", .unit = "names"}),
       option_group<&O::mesh>(IsosurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumeIsosurfaceOptions::validate() const {
@@ -94,17 +91,11 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kVolumeIsosurfaceReportRows[] = {
-    reported<&VolumeIsosurfaceReport::value>({.text = "Value of the surface", .unit = "unit of the array"}),
-    reported_beside<&VolumeIsosurfaceReport::mesh>()};
-
-}  // namespace
-
 const ReportSchema& VolumeIsosurfaceReport::schema() {
-  static constexpr ReportSchema schema{kVolumeIsosurfaceReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
+      reported_beside<&VolumeIsosurfaceReport::mesh>()};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

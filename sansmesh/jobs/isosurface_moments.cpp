@@ -1,4 +1,4 @@
-// The surface on which a quantity of a volume that changes has a value, as meshes at many moments.
+// Isosurfaces of a volume that changes in time, as meshes at many moments.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Default mesh error in spacings, as of surfaces of one moment.
+/// Default mesh error in spacings, as for steady isosurfaces.
 constexpr double kMomentError = 0.02;
 
 std::unique_ptr<IsosurfaceInTime> field_in_time(const VolumeSeries& series, double value, std::vector<Note>& notes,
@@ -33,7 +33,7 @@ std::unique_ptr<IsosurfaceInTime> field_in_time(const VolumeSeries& series, doub
     return std::make_unique<IsosurfaceInTime>(std::move(steps), value);
   } catch (const DataError& error) {
     throw DataError(printable(series.name, 200) + ": " + error.what());
-  } catch (const ArgumentError& error) {  // of the data: steps that do not fit together
+  } catch (const ArgumentError& error) {  // the data are at fault: steps do not match
     throw DataError(printable(series.name, 200) + ": " + error.what());
   }
 }
@@ -55,24 +55,23 @@ IsosurfaceMoment measured_moment(const TriangleMesh& mesh, double time) {
 const OptionSchema& IsosurfaceMomentsOptions::schema() {
   using O = IsosurfaceMomentsOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::frames>({.text = "With `unsteady`: moments from the first step to the last",
+      option<&O::frames>({.text = "With `unsteady`: number of moments from the first step to the last",
                           .from_data = "as many as steps",
                           .range = {.least = 2, .most = 100'000}}),
-      option<&O::time_cell>({.text = "With `unsteady`: how long the smallest blocks last",
+      option<&O::time_cell>({.text = "With `unsteady`: duration of the smallest blocks",
                              .unit = "time",
                              .from_data = "the shortest time between steps",
                              .range = positive()})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments) {
   options.validate();
   validate_options(moments);
-  const VolumeIsosurfaceOptions usual;
-  check_argument(options.carry == usual.carry && !options.mesh.closed &&
+  const VolumeIsosurfaceOptions defaults;
+  check_argument(options.carry == defaults.carry && !options.mesh.closed &&
                      options.mesh.components.kind == ComponentChoice::Kind::all,
-                 "`carry`, `closed` and `components` are not for `unsteady`: its meshes are closed, without other "
+                 "`carry`, `closed` and `components` do not apply to `unsteady`: its meshes are closed, without other "
                  "arrays");
 }
 
@@ -114,10 +113,8 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
     if (!mesh.triangles.empty()) simplify_mesh(mesh, simplify, quiet);
     move_to_input(mesh, frame);
     if (mesh.triangles.empty())
-      result.notes.push_back({.code = "no_surface",
-                              .text = fmt::format("there is no surface at the moment {:.6g}", t),
-                              .remedy = {},
-                              .of = series.name});
+      result.notes.push_back(
+          {.code = "no_surface", .text = fmt::format("there is no surface at time {:.6g}", t), .of = series.name});
     r.moments.push_back(measured_moment(mesh, t));
     most = std::max(most, mesh.triangles.size());
     use(k, mesh);
@@ -127,43 +124,30 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
     result.notes.push_back({.code = "more_triangles",
                             .text = fmt::format("{} instead of {} in some frames", counted(most, "triangle"),
                                                 grouped(*options.mesh.triangles)),
-                            .remedy = {},
                             .of = series.name});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kIsosurfaceMomentRows[] = {
-    reported<&IsosurfaceMoment::time>({.text = "Time"}),
-    reported<&IsosurfaceMoment::vertices>({.text = "Vertices"}),
-    reported<&IsosurfaceMoment::triangles>({.text = "Triangles"}),
-    reported<&IsosurfaceMoment::components>({.text = "Connected parts"}),
-    reported<&IsosurfaceMoment::closed>({.text = "Whether the mesh is closed"}),
-    reported<&IsosurfaceMoment::area>({.text = "Area", .unit = "length²"}),
-    reported<&IsosurfaceMoment::volume>({.text = "Volume", .unit = "length³"})};
-
-}  // namespace
-
 const ReportSchema& IsosurfaceMoment::schema() {
-  static constexpr ReportSchema schema{kIsosurfaceMomentRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&IsosurfaceMoment::time>({.text = "Time"}),
+                                       reported<&IsosurfaceMoment::vertices>({.text = "Vertices"}),
+                                       reported<&IsosurfaceMoment::triangles>({.text = "Triangles"}),
+                                       reported<&IsosurfaceMoment::components>({.text = "Connected components"}),
+                                       reported<&IsosurfaceMoment::closed>({.text = "Whether the mesh is closed"}),
+                                       reported<&IsosurfaceMoment::area>({.text = "Area", .unit = "length²"}),
+                                       reported<&IsosurfaceMoment::volume>({.text = "Volume", .unit = "length³"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kIsosurfaceMomentsReportRows[] = {
-    reported<&IsosurfaceMomentsReport::value>({.text = "Value of the surface", .unit = "unit of the array"}),
-    reported<&IsosurfaceMomentsReport::blocks>({.text = "Blocks in space and time"}),
-    reported<&IsosurfaceMomentsReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
-    reported<&IsosurfaceMomentsReport::time_cell>({.text = "Edge of these in time", .unit = "unit of the times"}),
-    reported<&IsosurfaceMomentsReport::moments>({.name = "frames", .text = "Meshes, one after the other"})};
-
-}  // namespace
-
 const ReportSchema& IsosurfaceMomentsReport::schema() {
-  static constexpr ReportSchema schema{kIsosurfaceMomentsReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&IsosurfaceMomentsReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
+      reported<&IsosurfaceMomentsReport::blocks>({.text = "Blocks in space and time"}),
+      reported<&IsosurfaceMomentsReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
+      reported<&IsosurfaceMomentsReport::time_cell>(
+          {.text = "Duration of the smallest blocks", .unit = "unit of the times"}),
+      reported<&IsosurfaceMomentsReport::moments>({.name = "frames", .text = "Meshes in order"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -12,6 +12,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/edit/tubes.h"
@@ -25,15 +26,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kTubeRadius = 1.0 / 400;  // of the diagonal of the lines
-constexpr double kBothSigns = 0.1;         // of the larger side, on the smaller one
-constexpr double kScaleEnds = 0.01;        // of the tubes' area, at each end of the scale
-constexpr double kDrawnStep = 0.5;         // between points that are drawn, in radii
+constexpr double kTubeRadius = 1.0 / 400;  // share of the diagonal of the lines
+constexpr double kBothSigns = 0.1;         // share of the larger side that makes the smaller side significant
+constexpr double kScaleEnds = 0.01;        // share of the tubes' area clipped at each end of the scale
+constexpr double kDrawnStep = 0.5;         // distance between drawn points in radii
 constexpr const char* kMagnitude = " (magnitude)";
 
-/// Each value counts as much as it has of the tubes, whose vertices are of these points: where particles are slow or
-/// turn round and round their points crowd. The ends of the scale leave out what little of the tubes has, which would
-/// take the colours from all others.
+/// Weights each value by the area of tube with that value, since points crowd where particles are slow or circulate.
+/// The scale clips rare values at its ends, which would compress all other colours. `points`: the point of each vertex.
 TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uint32_t>& points,
                             const std::vector<double>& values) {
   std::vector<std::pair<double, double>> weighted;  // value, area
@@ -43,7 +43,7 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
     const double value = (values[points[t[0]]] + values[points[t[1]]] + values[points[t[2]]]) / 3;
     if (std::isfinite(value) && area > 0) weighted.emplace_back(value, area), whole += area;
   }
-  if (weighted.empty()) throw DataError("no line has two places and values there: there is nothing to draw");
+  if (weighted.empty()) throw DataError("no line has two distinct points with values: there is nothing to draw");
   std::sort(weighted.begin(), weighted.end());
   ValueHistogram h;
   h.lower = weighted.front().first, h.upper = weighted.back().first;
@@ -58,17 +58,9 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
   return transfer_function_preset(signs ? "diverging" : "flow", h);
 }
 
-/// In coordinates relative to the origin of the lines.
-Box3 box_of_lines(const PolylineSet& lines) {
-  Box3 box;
-  for (const Vec3f& p : lines.positions)
-    if (is_finite(p)) box.extend(Vec3(p));
-  return box;
-}
-
-/// The tubes; `point` is the point of the lines that a vertex is of.
+/// Tubes; the attribute `point` is the index of each vertex's point.
 TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
-  PolylineSet bare;  // which point a vertex is of is all that is needed
+  PolylineSet bare;  // only the point index is needed
   bare.origin = lines.origin, bare.positions = lines.positions, bare.offsets = lines.offsets;
   std::vector<std::uint32_t> numbers(lines.positions.size());
   std::iota(numbers.begin(), numbers.end(), 0u);
@@ -76,7 +68,7 @@ TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
   return tubes(bare, {.radius = radius, .sides = 8, .least_step = kDrawnStep * radius});
 }
 
-RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
+RenderOptions picture_options(const LinePictureOptions& options, const Box3& box) {
   RenderOptions picture = options.picture;
   picture.look.shadows = picture.look.ground = false;
   if (!picture.look.background) picture.look.background = Background::solid({0.93f, 0.94f, 0.95f});
@@ -91,26 +83,26 @@ const OptionSchema& LinePictureOptions::schema() {
   using O = LinePictureOptions;
   static const OptionRow rows[] = {
       option_group<&O::picture>(RenderOptions::schema().rows),
-      option<&O::color_by>({.text = "speed, time, vorticity, or an array of `carry`; of vectors their length",
+      option<&O::color_by>({.text = "Quantity: speed, time, vorticity, or an array of `carry` (the length of vectors)",
                             .unit = "name",
-                            .from_data = "speed; of streak and time lines time"}),
-      option<&O::unit>({.text = "Of what colours are by, at the scale", .unit = "unit"}),
-      option<&O::tube_radius>({.text = "Of the tubes",
+                            .from_data = "speed; time for streak and time lines"}),
+      option<&O::unit>({.text = "Unit at the scale", .unit = "unit"}),
+      option<&O::tube_radius>({.text = "Radius of the tubes",
                                .unit = "length",
                                .from_data = "1/400 of the lines' diagonal",
                                .range = positive()})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
-void LinePictureOptions::validate(const std::string& usual) const {
+void LinePictureOptions::validate(const std::string& default_color) const {
   validate_options(*this);
   picture.validate();
-  ValueHistogram widest;  // no numbers are wider than those of such a range
+  ValueHistogram widest;  // no range has wider numbers
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
-  const int bar = value_bar_width(picture.view.height, transfer_function_preset("diverging", widest),
-                                  with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
-  check_room_beside(picture, bar, "colour bar");
+  check_room_beside(picture,
+                    {transfer_function_preset("diverging", widest),
+                     with_unit((color_by.empty() ? default_color : color_by) + kMagnitude, unit)},
+                    "colour bar");
 }
 
 void LinePictureOptions::check_color(const std::vector<std::string>& arrays) const {
@@ -120,18 +112,18 @@ void LinePictureOptions::check_color(const std::vector<std::string>& arrays) con
 }
 
 double tube_radius(const PolylineSet& lines, const std::optional<double>& radius) {
-  const double chosen = radius.value_or(kTubeRadius * box_of_lines(lines).diagonal());
-  if (!(chosen > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
+  const double chosen = radius.value_or(kTubeRadius * finite_bounds({}, lines.positions).diagonal());
+  if (!(chosen > 0)) throw DataError("all points of the lines coincide: there is nothing to draw");
   return chosen;
 }
 
-LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,
+LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& default_color,
                          Progress& progress) {
   LinePicture drawn;
-  drawn.color_by = options.color_by.empty() ? usual : options.color_by;
+  drawn.color_by = options.color_by.empty() ? default_color : options.color_by;
   const Attribute* const array = lines.attributes.find(drawn.color_by);
   if (!array) options.check_color({});
-  const Box3 box = box_of_lines(lines);
+  const Box3 box = finite_bounds({}, lines.positions);
   const std::vector<double> values = sizes_of(*array);
   drawn.radius = tube_radius(lines, options.tube_radius);
 
@@ -139,42 +131,32 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   TriangleMesh mesh = tubes_around(lines, drawn.radius);
   drawn.triangles = mesh.triangles.size();
   const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
-  const TransferFunction colors = colors_for(mesh, points, values);
-  std::tie(drawn.lower, drawn.upper) = colors.range();
+  ColorBar bar{colors_for(mesh, points, values),
+               with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit)};
+  std::tie(drawn.lower, drawn.upper) = bar.colors.range();
   mesh.colors.resize(points.size());
-  parallel_for(0, points.size(), 4096, [&](std::size_t v) {
-    const Vec3f c = colors.color(values[points[v]]);
-    mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
-  });
+  parallel_for(0, points.size(), 4096,
+               [&](std::size_t v) { mesh.colors[v] = to_bytes(bar.colors.color(values[points[v]])); });
 
-  RenderOptions picture = look_for(options, box);
-  const std::string title = with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit);
-  picture.view.width -= value_bar_width(picture.view.height, colors, title);
-  BarEnds ends;
+  RenderOptions picture = picture_options(options, box);
   for (const std::uint32_t p : points) {
-    ends.below = ends.below || values[p] < drawn.lower;
-    ends.above = ends.above || values[p] > drawn.upper;
+    bar.ends.below = bar.ends.below || values[p] < drawn.lower;
+    bar.ends.above = bar.ends.above || values[p] > drawn.upper;
   }
-  const Image paper = paper_beside(picture);
-  drawn.image = beside_value_bar(render_mesh(mesh, picture, progress), colors, title, {}, &paper, ends);
+  reserve_width(picture, bar);
+  drawn.image = beside_bar(render_mesh(mesh, picture, progress), bar, picture);
   drawn.made_with = picture;
   return drawn;
 }
 
-namespace {
-
-constexpr ReportRow kLinePictureRows[] = {
-    reported<&LinePicture::color_by>({.text = "Array that the colours show"}),
-    reported<&LinePicture::lower>({.text = "Value of the first colour", .unit = "unit of the array"}),
-    reported<&LinePicture::upper>({.text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<&LinePicture::radius>({.text = "Radius of the tubes", .unit = "length"}),
-    reported<&LinePicture::triangles>({.text = "Triangles that were drawn"})};
-
-}  // namespace
-
 const ReportSchema& LinePicture::schema() {
-  static constexpr ReportSchema schema{kLinePictureRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&LinePicture::color_by>({.text = "Array shown by colours"}),
+      reported<&LinePicture::lower>({.text = "Value of the first colour", .unit = "unit of the array"}),
+      reported<&LinePicture::upper>({.text = "Value of the last colour", .unit = "unit of the array"}),
+      reported<&LinePicture::radius>({.text = "Radius of the tubes", .unit = "length"}),
+      reported<&LinePicture::triangles>({.text = "Triangles of the tubes"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// How many components have something to be told of.
+/// Numbers of components that need a note.
 struct OddComponents {
   std::size_t cavities = 0, inside_out = 0, nested = 0;
 
@@ -41,9 +41,9 @@ void add_measure_notes(const SolidMeasures& m, std::vector<Note>& notes) {
     notes.push_back({.code = code, .text = std::move(text), .remedy = std::move(remedy)});
   };
   if (!m.whole.closed()) note("open", open_words(m.topology) + ": no volume, centre of mass and moments of the whole");
-  // Against the sphere with that area, which holds area^1.5 / 10.6.
+  // Compares with a sphere of the same area, whose volume is area^1.5 / 10.6.
   if (m.whole.mass && std::abs(m.whole.mass->volume) < 1e-9 * std::pow(m.whole.area, 1.5))
-    note("encloses_nothing", "encloses nothing: faces of both sides lie on each other and cancel out");
+    note("encloses_nothing", "encloses nothing: opposite faces coincide and cancel out");
   else if (m.whole.mass && m.whole.mass->volume < 0)
     note("faces_inward", "the triangles face inward: the volume is negative");
   const OddComponents odd(m);
@@ -52,22 +52,21 @@ void add_measure_notes(const SolidMeasures& m, std::vector<Note>& notes) {
   if (odd.inside_out > 0 && m.components.size() > 1)
     note("inside_out",
          components_that(odd.inside_out, "faces", "face") + " inward and bounds no cavity: the volume is subtracted",
-         "inside out? turn its faces round");
+         "reverse its faces if they are inside out");
   if (odd.nested > 0)
-    note("nested", components_that(odd.nested, "lies", "lie") +
-                       " within another that faces outward, too: the volume there counts more than once");
+    note("nested", components_that(odd.nested, "is", "are") +
+                       " within another that also faces outward: the volume there counts more than once");
   if (m.crossing_components > 0)
     note("crossing_components",
          components_that(m.crossing_components, "cuts", "cut") +
-             " through another: the volume that they have in common counts more than once",
-         "the union 'A | B' of closed meshes has it once");
+             " through another: their common volume counts more than once",
+         "the union 'A | B' of closed meshes counts it once");
   else if (m.crossing_pairs > 0)
-    note("crosses_itself",
-         fmt::format("cuts through itself at {} of triangles: where it overlaps the volume counts more than once",
-                     counted(m.crossing_pairs, "pair")));
+    note("crosses_itself", fmt::format("intersects itself at {} of triangles: overlapping volume counts more than once",
+                                       counted(m.crossing_pairs, "pair")));
   if (m.whole.nonmanifold_edges > 0)
-    note("nonmanifold", fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
-  if (m.left_out > 0) note("bad_corners", fmt::format("{} with bad corners left out", counted(m.left_out, "triangle")));
+    note("nonmanifold", fmt::format("{} with more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
+  if (m.left_out > 0) note("bad_corners", fmt::format("{} with bad corners dropped", counted(m.left_out, "triangle")));
 }
 
 }  // namespace
@@ -76,7 +75,7 @@ MeasureResult measure(const AnySurface& surface, Progress& progress) {
   MeasureResult result;
   const std::shared_ptr<const TriangleMesh> mesh = surface.mesh(progress, result.notes);
   if (mesh->triangles.empty())
-    throw DataError(surface.name() + ": has no faces to measure: a surface has to be made of the points first");
+    throw DataError(surface.name() + ": has no faces to measure: reconstruct a surface first");
   progress.begin("measure");
   result.measures = with_name(surface.name(), [&] { return measure_solid(*mesh); });
   add_measure_notes(result.measures, result.notes);
@@ -96,7 +95,7 @@ void add_components(const std::vector<BodyMeasures>& components, std::vector<std
     const BodyMeasures& b = components[i];
     lines.push_back(fmt::format("{:<10} {:>12} {:>14.6g} {:>14}  {}", i, grouped(b.triangles), b.area,
                                 b.mass ? fmt::format("{:.6g}", b.mass->volume) : "not closed",
-                                place_words(b.mass ? b.mass->center : b.surface_center)));
+                                point_words(b.mass ? b.mass->center : b.surface_center)));
   }
   if (components.size() > kPrintedComponents)
     lines.push_back(fmt::format("… {} more", grouped(components.size() - kPrintedComponents)));
@@ -112,19 +111,19 @@ std::vector<std::string> summary_of(const SolidMeasures& m) {
   line("area", fmt::format("{:.8g}", w.area));
   if (w.mass) {
     line("volume", fmt::format("{:.8g}", w.mass->volume));
-    line("centre of mass", place_words(w.mass->center));
+    line("centre of mass", point_words(w.mass->center));
     for (std::size_t k = 0; k < 3; ++k)
       line(k == 0 ? "principal moments" : "",
-           fmt::format("{:.6g} about {}", w.mass->moments[k], place_words(w.mass->axes[k])));
+           fmt::format("{:.6g} about {}", w.mass->moments[k], point_words(w.mass->axes[k])));
   } else {
-    line("centre of surface", place_words(w.surface_center));
+    line("centre of surface", point_words(w.surface_center));
   }
   const Vec3 size = w.box.size();
-  line("box", fmt::format("{} from {} to {}", sides(size.x, size.y, size.z), place_words(w.box.lower),
-                          place_words(w.box.upper)));
+  line("box", fmt::format("{} from {} to {}", sides(size.x, size.y, size.z), point_words(w.box.lower),
+                          point_words(w.box.upper)));
   const OrientedBox& box = m.smallest_box;
   line("smallest box", fmt::format("{} along {}, {}, {}", sides(box.sizes[0], box.sizes[1], box.sizes[2]),
-                                   place_words(box.axes[0]), place_words(box.axes[1]), place_words(box.axes[2])));
+                                   point_words(box.axes[0]), point_words(box.axes[1]), point_words(box.axes[2])));
   add_components(m.components, lines);
   return lines;
 }

@@ -1,9 +1,10 @@
-// Bodies of tetrahedra that moved, and the surfaces that they carry.
+// Motions of tetrahedral bodies, and the surfaces that they carry.
 #include <fmt/core.h>
 
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dynamics/tet_embedding.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/io.h"
@@ -17,13 +18,13 @@ struct Motion::State {
   Vec3 origin;
   KeptMotion kept;
   std::vector<double> times = {};
-  std::vector<std::vector<Vec3f>> positions = {};  ///< from the origin
+  std::vector<std::vector<Vec3f>> positions = {};  ///< relative to the origin
   std::vector<std::vector<Vec3f>> velocities = {};
 };
 
 struct CarriedSurface::State {
   TriangleMesh surface;
-  std::vector<std::uint32_t> sources = {};  ///< of the boundary
+  std::vector<std::uint32_t> sources = {};  ///< vertices of the body, for its boundary
   std::optional<TetEmbedding> embedding = {};
   std::vector<Vec3> normals = {};
 };
@@ -60,11 +61,7 @@ void Motion::add(double time, const std::vector<Vec3>& positions, const std::vec
 }
 
 std::vector<Vec3> Motion::positions(std::size_t frame) const {
-  const std::vector<Vec3f>& kept = state_->positions[frame];
-  std::vector<Vec3> x;
-  x.reserve(kept.size());
-  for (const Vec3f& p : kept) x.push_back(origin() + Vec3(p));
-  return x;
+  return world_points(origin(), state_->positions[frame]);
 }
 
 CarriedSurface::CarriedSurface(const TetMesh& rest) {
@@ -75,10 +72,7 @@ CarriedSurface::CarriedSurface(const TetMesh& rest) {
 
 CarriedSurface::CarriedSurface(const TetMesh& rest, TriangleMesh surface) {
   State state{.surface = std::move(surface)};
-  std::vector<Vec3> x;
-  x.reserve(state.surface.vertices.size());
-  for (const Vec3f& p : state.surface.vertices) x.push_back(state.surface.origin + Vec3(p));
-  state.embedding.emplace(rest, x);
+  state.embedding.emplace(rest, world_points(state.surface.origin, state.surface.vertices));
   for (const Vec3f& n : state.surface.normals) state.normals.push_back(Vec3(n));
   state_ = std::make_shared<const State>(std::move(state));
 }
@@ -105,9 +99,8 @@ std::vector<Note> CarriedSurface::notes() const {
   const auto& embedding = state_->embedding;
   if (!embedding || embedding->outside() == 0) return {};
   return {{.code = "outside",
-           .text = fmt::format("{} of {} vertices lie in no tetrahedron: they go on with the nearest",
-                               grouped(embedding->outside()), grouped(state_->surface.vertices.size())),
-           .remedy = {}}};
+           .text = fmt::format("{} of {} vertices are in no tetrahedron: they move with the nearest",
+                               grouped(embedding->outside()), grouped(state_->surface.vertices.size()))}};
 }
 
 CarriedSurface read_carried(const std::string& file, const SimulationPlan& plan) {

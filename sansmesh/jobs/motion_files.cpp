@@ -34,12 +34,12 @@ void check_frames_writable(const std::string& output) {
   check_writable(first, "mesh");
 }
 
-/// The file of all frames of tetrahedra: NAME.pvd of NAME.vtu.
+/// Collection file of all tetrahedral frames: NAME.pvd for NAME.vtu.
 std::string collection_of(const std::string& output) {
   return std::filesystem::path(output).replace_extension(".pvd").string();
 }
 
-/// With the .pvd of all frames, or if not all can be written, of those that are.
+/// Also writes the .pvd of all frames or, after an error, of those that were written.
 std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, const MotionUse& use,
                                           Progress& progress) {
   std::vector<std::string> files;
@@ -47,11 +47,11 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   series.reserve(motion.frames());
   for (std::size_t k = 0; k < motion.frames(); ++k)
     series.push_back({motion.time(k), std::filesystem::path(motion_frame_name(output, k)).filename().string()});
-  // First of all, so that there is room for it when the disk is full.
+  // Written first to reserve its space on the disk.
   const std::string collection = collection_of(output);
   write_collection(collection, series);
   TetMesh frame = motion.rest();
-  const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
+  const std::vector<Vec3> at_rest = motion.positions(0);  // rounded like all frames
   progress.begin("writing tetrahedra", motion.frames());
   std::size_t k = 0;
   try {
@@ -124,7 +124,7 @@ KeptMotion MotionFiles::kept() const {
 
 void MotionFiles::check() const {
   if (outputs.empty() && animation.empty() && energies.empty())
-    throw ArgumentError("nothing would be written: `output`, `animation` or `energies` is wanted");
+    throw ArgumentError("nothing to write: give `output`, `animation` or `energies`");
   for (const std::string& o : outputs) check_frames_writable(o);
   if (!animation.empty()) check_writable(animation, "image");
   if (!energies.empty()) check_writable(energies, "text");

@@ -13,32 +13,32 @@
 namespace sansmesh::inline v1 {
 
 struct MotionFiles {
-  /// NAME.vtu (and NAME.pvd), NAME.png, or NAME with an ending of meshes: a file each frame, NAME_0000.vtu, …
+  /// One file per frame: NAME.vtu (with NAME.pvd), NAME.png, or a mesh file; NAME_0000.vtu, …
   std::vector<std::string> outputs = {};
-  std::string animation = {};  ///< all pictures in one PNG
-  std::string energies = {};   ///< all moments as a table, CSV
-  bool ascii = false;          ///< meshes as text
+  std::string animation = {};  ///< all pictures in one animated PNG
+  std::string energies = {};   ///< all moments as a CSV table
+  bool ascii = false;          ///< writes meshes as text
 
-  /// True if there are pictures.
+  /// Whether there are pictures.
   bool draws() const;
-  /// Positions and velocities that these files need of a motion.
+  /// Data of the motion that these files need.
   KeptMotion kept() const;
-  /// Throws FileError where one cannot be written, ArgumentError where none is named.
+  /// Throws FileError if a file cannot be written, ArgumentError if none is named.
   void check() const;
-  /// Throws ArgumentError where an animation cannot be so fast or slow, FileError where a file is one of the inputs,
-  /// of which some may be empty.
+  /// Throws ArgumentError if the frame rate of an animation is out of range, FileError if a file is one of the inputs.
+  /// Empty names of inputs are ignored.
   void check(const SimulationPlan& plan, const std::vector<std::string>& inputs) const;
 };
 
 struct MotionUse {
-  double frame_time = 0;                              ///< from frame to frame, s
-  MotionPictures* pictures = nullptr;                 ///< needed where there are some
-  std::function<Image(const Image&)> part = nullptr;  ///< of each picture that is written
-  std::function<void()> before_more = nullptr;        ///< called before each frame but the first is written
+  double frame_time = 0;                              ///< time between frames, s
+  MotionPictures* pictures = nullptr;                 ///< required if there are pictures
+  std::function<Image(const Image&)> part = nullptr;  ///< crops each written picture
+  std::function<void()> before_more = nullptr;        ///< called before each frame is written, except the first
 };
 
-/// Writes all, and returns the names. Where a frame cannot be written, the .pvd is one of those before it. Throws
-/// FileError, Cancelled.
+/// Writes all files and returns their names. If a frame fails, the .pvd lists the frames before it. Throws FileError,
+/// Cancelled.
 std::vector<std::string> write_motion(const MotionFiles& files, const SimulateResult& made,
                                       const CarriedSurface& surface, const MotionUse& use, Progress& progress);
 

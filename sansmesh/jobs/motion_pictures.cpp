@@ -16,13 +16,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kVolumeRim = 0.01;  ///< of the diagonal: as much the tetrahedra may be larger than their volume
+constexpr double kVolumeRim = 0.01;  ///< share of the diagonal by which the tetrahedra may extend beyond their volume
 constexpr Vec3f kFloorColor{0.62f, 0.66f, 0.72f};
 constexpr Vec3f kSphereColor{0.45f, 0.58f, 0.78f};
 constexpr int kFramingDirections = 200;
-constexpr double kFloorSize = 1.1;  ///< its radius, of the diagonal of all that moves
+constexpr double kFloorSize = 1.1;  ///< radius of the floor, as a share of the diagonal of the motion
 
-/// The farthest of all points in many directions: what frames them frames all.
+/// Farthest points in many directions: a frame that contains them contains all points.
 class FarthestPoints {
  public:
   FarthestPoints() : most_(kFramingDirections, -std::numeric_limits<double>::infinity()), points_(kFramingDirections) {
@@ -63,11 +63,7 @@ TriangleMesh ball_mesh(const Vec3& center, double radius) {
   return m;
 }
 
-void color_obstacle(TriangleMesh& mesh, const Vec3f& c) {
-  mesh.colors.assign(mesh.vertices.size(), {to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-}
-
-/// The part of a plane around where the body goes.
+/// Part of a plane below the motion.
 TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
   const Vec3 n = normalized(floor.normal);
   const Vec3 side = std::abs(n.x) < 0.9 ? normalized(cross(n, Vec3{1, 0, 0})) : normalized(cross(n, Vec3{0, 1, 0}));
@@ -85,7 +81,7 @@ TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
   return m;
 }
 
-/// Whether the tetrahedra are larger than what is known of the volume in them.
+/// Whether the tetrahedra extend beyond the volume.
 bool reaches_beyond(const Box3& body, const Box3& volume) {
   const double rim = kVolumeRim * body.diagonal();
   for (std::size_t k = 0; k < 3; ++k)
@@ -105,7 +101,7 @@ struct MotionPictures::State {
   Motion motion;
   std::vector<Vec3> framed;
   std::vector<TriangleMesh> obstacles;
-  TriangleMesh boundary;  ///< of the volume in the frame that is drawn
+  TriangleMesh boundary;  ///< boundary of the volume in the current frame
   std::vector<std::uint32_t> sources;
 };
 
@@ -129,9 +125,7 @@ MotionPictures::MotionPictures(const SimulationPlan& plan, std::optional<Carried
   s.volume->look.validate();
   s.boundary = boundary_mesh(*s.rest, s.rest->vertices, &s.sources);
   if (reaches_beyond(bounds(*s.rest), s.volume->field->bounds()))
-    s.notes.push_back({.code = "volume_ends",
-                       .text = "does not reach everywhere in the tetrahedra: its values go on beyond it",
-                       .remedy = {}});
+    s.notes.push_back({.code = "volume_ends", .text = "does not cover all tetrahedra: its values are extrapolated"});
 }
 
 MotionPictures::~MotionPictures() = default;
@@ -157,8 +151,8 @@ void MotionPictures::show(Motion motion) {
   for (const Vec3& p : farthest.points()) box.extend(p);
   for (const SphereObstacle& sphere : scene.spheres) {
     s.obstacles.push_back(ball_mesh(sphere.center, sphere.radius));
-    color_obstacle(s.obstacles.back(), kSphereColor);
-    // Spheres larger than the motion frame nothing.
+    s.obstacles.back().colors.assign(s.obstacles.back().vertices.size(), to_bytes(kSphereColor));
+    // Spheres larger than the motion do not affect the frame.
     if (2 * sphere.radius < box.diagonal())
       for (int k = 0; k < 6; ++k) {
         Vec3 d{};
@@ -168,7 +162,7 @@ void MotionPictures::show(Motion motion) {
   }
   for (const FloorObstacle& f : scene.floors) {
     s.obstacles.push_back(floor_mesh(f, box));
-    color_obstacle(s.obstacles.back(), kFloorColor);
+    s.obstacles.back().colors.assign(s.obstacles.back().vertices.size(), to_bytes(kFloorColor));
   }
   s.framed = farthest.points();
   if (scene.floors.empty()) return;
@@ -178,13 +172,13 @@ void MotionPictures::show(Motion motion) {
 
 Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   State& s = *state_;
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   RenderOptions colored = s.options;
   colored.look.use_colors = true;
   colored.look.wireframe = PictureLook::Wireframe::none;
   surfaces.reserve(s.obstacles.size() + 1);
-  for (const TriangleMesh& m : s.obstacles) surfaces.push_back(surface_in_picture(m, colored));
-  if (s.surface) surfaces.push_back(surface_in_picture(s.surface->at(s.motion, frame), s.options));
+  for (const TriangleMesh& m : s.obstacles) surfaces.push_back(scene_factory(m, colored));
+  if (s.surface) surfaces.push_back(scene_factory(s.surface->at(s.motion, frame), s.options));
   if (!s.volume) return render_surfaces(surfaces, s.framed, false, s.options, progress);
   const std::vector<Vec3> x = s.motion.positions(frame);
   Box3 box;
@@ -197,12 +191,12 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   subject.field = &field;
   subject.boundary = &s.boundary;
   subject.surfaces = std::move(surfaces);
-  subject.places = x;
+  subject.samples = x;
   subject.framed = s.framed;
   subject.image = s.volume->image;
   VolumePictureReport report;
   Image image = render_volume(subject, s.volume->look, progress, &report);
-  // The colours of the first frame are those of all.
+  // All frames use the colours of the first.
   s.volume->look.transfer = report.transfer;
   s.volume->look.preset.clear();
   return image;

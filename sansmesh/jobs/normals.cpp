@@ -22,28 +22,27 @@ const OptionSchema& NormalsOptions::schema() {
   using O = NormalsOptions;
   static const OptionRow rows[] = {
       option_group<&O::estimation>(NormalOptions::schema().rows),
-      option<&O::orient_only>({.text = "Keep the normals of the file and only orient them", .old_name = "keep"}),
-      option<&O::orient>({.text = "Leave the signs as they come"}),
-      option<&O::orient_by>({.text = "From what normals get their signs",
+      option<&O::orient_only>(
+          {.text = "Orient the normals of the file instead of estimating new ones", .old_name = "keep"}),
+      option<&O::orient>({.text = "Do not orient the normals"}),
+      option<&O::orient_by>({.text = "Source of the signs of normals",
                              .unit = "choice",
-                             .from_data = "the first that is known",
+                             .from_data = "the first available",
                              .choices = kOrientByWords})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void NormalsOptions::validate() const {
   validate_options(*this);
   estimation.validate();
-  if (!orient && orient_by != OrientBy::automatic)
-    throw ArgumentError("`orient_by` means nothing with `orient = false`");
+  if (!orient && orient_by != OrientBy::automatic) throw ArgumentError("`orient_by` needs `orient`");
 }
 
 NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress) {
   options.validate();
   if (options.orient_only && !points.has_normals())
-    throw DataError("holds no normals to keep; without `orient_only` they are estimated");
-  if (count_unique(points) < 3) throw DataError("holds fewer than 3 different points: normals need neighbours");
+    throw DataError("has no normals to orient; without `orient_only` they are estimated");
+  if (count_unique(points) < 3) throw DataError("has fewer than 3 different points: normals need neighbours");
 
   NormalsResult result;
   result.points = std::move(points);
@@ -67,30 +66,24 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kNormalsReportRows[] = {
-    reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
-    reported_beside<&NormalsReport::noise>(),
-    reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, of new normals"}),
-    reported<[](const NormalsReport& r) { return r.check.oriented; }>(
-        {.name = "oriented", .text = "Whether the signs are consistent"}),
-    reported<&NormalsReport::check>({.name = "orientation", .text = "How normals are oriented"}),
-    reported<&NormalsReport::oriented_by>(
-        {.text = "From what the signs were taken; nothing where they were left", .choices = kOrientByWords}),
-    reported<&NormalsReport::unknown>({.text = "Samples without a normal: zero"})};
-
-}  // namespace
-
 const ReportSchema& NormalsReport::schema() {
-  static constexpr ReportSchema schema{kNormalsReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+      reported_beside<&NormalsReport::noise>(),
+      reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, for new normals"}),
+      reported<[](const NormalsReport& r) { return r.check.oriented; }>(
+          {.name = "oriented", .text = "Whether the signs are consistent"}),
+      reported<&NormalsReport::check>({.name = "orientation", .text = "Orientation of the normals"}),
+      reported<&NormalsReport::oriented_by>(
+          {.text = "Source of the signs; null if they were not changed", .choices = kOrientByWords}),
+      reported<&NormalsReport::unknown>({.text = "Samples with undefined normals, set to zero"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const NormalsResult& made) {
   const NormalsReport& r = made.report;
   const std::string signs =
-      r.oriented_by ? "signs " + std::string(orientation_words(*r.oriented_by)) : "signs left as they are";
+      r.oriented_by ? "signs " + std::string(orientation_words(*r.oriented_by)) : "signs unchanged";
   return {
       fmt::format("{}, spacing {}, noise {}", counted(made.points.size(), "point"), length_words(r.spacing),
                   noise_words(r.noise, r.spacing)),

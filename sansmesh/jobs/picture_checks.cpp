@@ -43,7 +43,7 @@ void check_meshless(const PictureOptions& o, bool function, bool meshless) {
 }
 
 void check_colors(const PictureOptions& o, std::size_t objects, bool meshless, bool of_objects) {
-  // Of meshes and points it is the name of an attribute as well.
+  // For meshes and points it may also be the name of an attribute.
   const bool by_confidence = o.color_by == kConfidence, by_curvature = meshless && is_curvature(o.color_by);
   if (o.color_range && by_curvature && o.color_range->first != -o.color_range->second)
     throw ArgumentError("`color_range` of curvatures is one number, for both signs");
@@ -78,11 +78,11 @@ void check_objects(const std::vector<PictureObject>& objects, const PictureOptio
   check_colors(o, objects.size(), meshless, of_objects);
   if (objects.size() == 1)
     refuse({{"name", !o.names.empty()}}, "is for the list of several objects: there is one");
-  else  // each would have a curvature of its own
+  else  // each object would have its own range of curvature
     refuse({{"line_strength", o.look.picture.look.line_strength != RenderOptions().look.line_strength},
             {"curvature_shading", o.look.picture.look.curvature_shading != RenderOptions().look.curvature_shading &&
                                       o.look.picture.look.curvature_shading != 0}},
-           "is about curvature, which pictures of several objects do not show: draw one");
+           "is about curvature, which pictures of several objects do not show");
 }
 
 void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) {
@@ -97,7 +97,7 @@ void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) 
   if (none({ObjectKind::points}))
     refuse(
         {{"point_radius", o.look.picture.look.point_radius.has_value()}, {"remove_outliers", o.cloud.remove_outliers}},
-        "is for points: there are none but vertices of triangles");
+        "is for points, and there are only meshes");
 }
 
 }  // namespace sansmesh::inline v1

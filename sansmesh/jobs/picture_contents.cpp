@@ -11,7 +11,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples of a surface, or a function, that is seen without a mesh.
+/// Samples of a surface, or a function, drawn without a mesh.
 struct PictureContents::SeenSurface {
   SurfaceModel model;
   SurfaceCaster caster;
@@ -28,14 +28,14 @@ const OptionSchema& PictureContentsOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::meshes>({.text = "Mesh in the same picture; may be repeated", .unit = "file", .name = "mesh"}),
       option<&O::points>(
-          {.text = "Samples of a surface, or a function (.smf), in the same picture without a mesh", .unit = "file"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+          {.text = "Samples of a surface, or a function (.smf), drawn in the same picture without a mesh",
+           .unit = "file"})};
+  return option_schema<rows>();
 }
 
 PictureContents::PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress) {
   for (const std::string& file : options.meshes)
-    with_file(file, [&] { surfaces_.push_back(surface_in_picture(read_mesh(file), look)); });
+    with_file(file, [&] { surfaces_.push_back(scene_factory(read_mesh(file), look)); });
   for (const std::string& file : options.points) with_file(file, [&] { add_points(file, look, progress); });
 }
 
@@ -51,7 +51,7 @@ void PictureContents::add_points(const std::string& file, const RenderOptions& l
                                                 progress));
   const SeenSurface& s = *seen_.back();
   add_notes(notes_, "surface", s.model.warnings(), file);
-  surfaces_.push_back(surface_in_picture(s.caster, s.model.frame(), s.model.colors(), surface));
+  surfaces_.push_back(scene_factory(s.caster, s.model.frame(), s.model.colors(), surface));
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Surfaces of files that stand in a picture beside what it shows.
+// Additional surfaces from files in a picture.
 #pragma once
 
 #include <memory>
@@ -14,12 +14,12 @@ namespace sansmesh::inline v1 {
 
 struct PictureContentsOptions {
   std::vector<std::string> meshes = {};
-  std::vector<std::string> points = {};  ///< samples of surfaces, or functions, which are seen without a mesh
+  std::vector<std::string> points = {};  ///< samples of surfaces, or functions, drawn without a mesh
 
   static const OptionSchema& schema();
 };
 
-/// Holds what the surfaces need.
+/// Owns the surfaces.
 class PictureContents {
  public:
   /// Throws FileError.
@@ -27,8 +27,8 @@ class PictureContents {
   ~PictureContents();
   PictureContents(PictureContents&&) noexcept;
 
-  const std::vector<PictureSurface>& surfaces() const { return surfaces_; }
-  /// "surface": what there is to say of surfaces without a mesh.
+  const std::vector<SceneFactory>& surfaces() const { return surfaces_; }
+  /// "surface": notes on surfaces without a mesh.
   const std::vector<Note>& notes() const { return notes_; }
 
  private:
@@ -36,7 +36,7 @@ class PictureContents {
   void add_points(const std::string& file, const RenderOptions& look, Progress& progress);
 
   std::vector<std::unique_ptr<SeenSurface>> seen_;
-  std::vector<PictureSurface> surfaces_;
+  std::vector<SceneFactory> surfaces_;
   std::vector<Note> notes_;
 };
 

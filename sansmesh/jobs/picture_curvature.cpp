@@ -14,16 +14,17 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Normals turn over this many spacings of the samples: details that these hold, and not their noise.
+/// Step of differences of normals in sample spacings, which resolves details and ignores noise.
 constexpr double kBendStep = 1;
 
-/// How the normals of a field turn, and the field itself where a projection has to be seen as one.
+/// Curvature of a field; a projection is first wrapped as a field.
 class ModelCurvature final : public CurvatureField {
  public:
   ModelCurvature(const SurfaceModel& model, double step, Progress& progress)
       : signed_distance_(model.projection() ? std::make_unique<ProjectionField>(*model.projection()) : nullptr),
         bends_(signed_distance_ ? *signed_distance_ : model.field(progress), step) {}
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override {
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                std::span<SurfaceCurvature> bends) const override {
     bends_.evaluate(x, normals, bends);
   }
 
@@ -42,7 +43,7 @@ bool wants_curvature(const RenderOptions& options) {
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress) {
   const SurfaceReport& report = model.report();
   double spacing = model.frame().from_input(std::max(report.spacing, 2 * report.noise));
-  if (!(spacing > 0)) {  // not kept with the function
+  if (!(spacing > 0)) {  // no samples were kept
     std::vector<float> radii = model.balls().radii;
     const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
     std::nth_element(radii.begin(), middle, radii.end());
@@ -82,7 +83,7 @@ std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, con
     options.noise = cloud.noise;
     return std::make_unique<SampleCurvature>(cloud.points, cloud.frame, options, progress);
   } catch (const DataError&) {
-    return nullptr;  // points that make no surface have silhouettes all the same
+    return nullptr;  // points without a surface still have silhouettes
   }
 }
 

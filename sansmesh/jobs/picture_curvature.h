@@ -1,4 +1,4 @@
-// Curvature of what is drawn, for lines and accessibility.
+// Curvature of drawn surfaces, for lines and accessibility.
 #pragma once
 
 #include <cstddef>
@@ -17,31 +17,32 @@
 
 namespace sansmesh::inline v1 {
 
-/// Fewer samples make no surface that could be bent.
+/// Fewest samples that define curvature.
 inline constexpr std::size_t kFewestSamples = 9;
 
-/// Whether the picture has to know how its surface is bent.
+/// Whether the picture needs curvatures of its surface.
 bool wants_curvature(const RenderOptions& options);
 
-/// Of a surface without a mesh, in its coordinates: by differences of its gradients, a spacing of the samples to each
-/// side (FieldCurvature).
+/// Curvature of a surface without a mesh, in its coordinates, from differences of its gradients over one sample spacing
+/// to each side (FieldCurvature).
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress);
 
-/// The same, estimated at the samples: over more of them than the surface's own weights, so that crests are calmer.
+/// Curvature estimated at the samples, with a larger support than the surface's own weights, which smooths crests.
 std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress);
 
-/// A mesh with the curvatures at its vertices, in coordinates of its own.
+/// A mesh in a local frame, with curvatures at its vertices.
 struct CurvedVertices {
   PointSet points;
   LocalFrame frame;
   std::vector<PrincipalCurvatures> curvatures;
 };
 
-/// For a mesh of whose faces `use` makes samples: these lie on flat triangles, and the mesh is bent at its vertices.
-/// Nothing for others. Throws DataError where they make no surface.
+/// For a mesh whose faces `use` samples: the samples are on flat triangles, so curvatures are estimated at the
+/// vertices. Empty for other input. Throws DataError if the vertices form no surface.
 std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudPreparation& use, Progress& progress);
 
-/// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
+/// Curvature of a mesh or cloud in the coordinates of the input, estimated at its vertices. Null if they form no
+/// surface.
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudPreparation& use,
                                                      Progress& progress);
 

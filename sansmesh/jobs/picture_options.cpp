@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kRayStarts[] = {"march", "stored"};
 constexpr double kMostSplatsAsked = 1e8, kMostPictures = 1e5;
 
-/// Two numbers, LOW,HIGH, or one that stands for -R,R.
+/// Two numbers LOW,HIGH, or R for -R,R.
 struct ColorRangeWords {
   static constexpr auto kind = OptionKind::numbers;
   static constexpr int count = 0;
@@ -25,10 +25,8 @@ struct ColorRangeWords {
     const auto& v = std::get<std::vector<double>>(value);
     if (v.size() == 1) return {-v[0], v[0]};
     if (v.size() != 2)
-      throw ArgumentError(ArgumentFault{.field = {},
-                                        .value = std::to_string(v.size()) + " numbers",
-                                        .allowed = "a number or LOW,HIGH",
-                                        .remedy = {}});
+      throw ArgumentError(ArgumentFault{
+          .field = {}, .value = std::to_string(v.size()) + " numbers", .allowed = "a number or LOW,HIGH"});
     return {v[0], v[1]};
   }
 };
@@ -39,11 +37,10 @@ void check_color_words(const std::vector<std::string>& words) {
       throw ArgumentError(ArgumentFault{
           .field = "color",
           .value = "'" + printable(word, 40) + "'",
-          .allowed = fmt::format("{}, '#rrggbb', {} (the file's) or {}", color_words(), kOwnColor, kAutoColor),
-          .remedy = {}});
+          .allowed = fmt::format("{}, '#rrggbb', {} (the file's) or {}", color_words(), kOwnColor, kAutoColor)});
 }
 
-/// In pictures of lines alone only the lines have light and colour.
+/// In pictures with only feature lines, surfaces have neither light nor colour.
 void check_lines_alone(const PictureOptions& o) {
   if (o.look.picture.look.lines != PictureLook::Lines::only) return;
   refuse({{"color", !o.colors.empty()},
@@ -53,7 +50,7 @@ void check_lines_alone(const PictureOptions& o) {
           {"reflection", o.look.reflection != 0},
           {"transmission", o.look.transmission != 0},
           {"exact_shadows", o.look.exact_shadows}},
-         "is for surfaces that are seen, which `lines` alone does not show: `lines = over`");
+         "is for visible surfaces: use `lines = over`");
 }
 
 void check_translucent(const PictureOptions& o) {
@@ -64,24 +61,23 @@ void check_translucent(const PictureOptions& o) {
           {"accessibility", o.look.picture.look.accessibility.has_value()},
           {"quick", o.look.plain},
           {"exact_shadows", o.look.exact_shadows}},
-         "is for what is opaque: it does not go with `opacity` below 1");
+         "is for opaque objects: not with `opacity` below 1");
 }
 
 void check_splats_and_rays(const PictureOptions& o) {
   const SurfaceRenderOptions& s = o.look;
-  if (s.plain && s.picture.look.accessibility)
-    throw ArgumentError("`quick` casts no rays around places, as `accessibility` does");
+  if (s.plain && s.picture.look.accessibility) throw ArgumentError("`quick` and `accessibility` exclude each other");
   if (s.plain)
     refuse({{"antialiasing",
              s.picture.quality.samples != RenderOptions().quality.samples && s.picture.quality.samples != 1},
             {"exact_shadows", s.exact_shadows}},
-           "does not go with `quick`, which has one ray per pixel and no shadows");
+           "excludes `quick`, which has one ray per pixel and no shadows");
   if (o.splats)
     refuse({{"opacity", o.translucent()},
             {"reflection", s.reflection != 0},
             {"transmission", s.transmission != 0},
             {"exact_shadows", s.exact_shadows}},
-           "means nothing to `splats`");
+           "does not apply to `splats`");
   const bool projection = o.surface && !o.splats && surface_method(o.surface->method).projects;
   if (o.rays && !projection) throw ArgumentError("`rays` needs `surface` levin, alexa or curvature, and no `splats`");
 }
@@ -89,11 +85,11 @@ void check_splats_and_rays(const PictureOptions& o) {
 void check_values(const PictureOptions& o) {
   const bool by_confidence = o.color_by == kConfidence;
   if (o.color_range && (o.color_by.empty() || by_confidence))
-    throw ArgumentError("`color_range` is for attributes and curvatures: `color_by` their name");
+    throw ArgumentError("`color_range` needs `color_by` with an attribute or curvature");
   if (o.color_range && !(o.color_range->first < o.color_range->second))
     throw ArgumentError("`color_range` must be LOW,HIGH, or one positive number");
   if (!o.unit.empty() && (o.color_by.empty() || by_confidence || !o.bar))
-    throw ArgumentError("`unit` stands at the colour bar of `color_by`");
+    throw ArgumentError("`unit` is for the colour bar of `color_by`");
   if (!o.color_by.empty() && !o.colors.empty()) throw ArgumentError("`color` and `color_by` exclude each other");
 }
 
@@ -106,47 +102,47 @@ bool PictureOptions::translucent() const {
 const OptionSchema& PictureOptions::schema() {
   using O = PictureOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::colors>({.text =
-                              "Of the first file, the second time of the second one, …: '#rrggbb', red, blue, …, own "
-                              "(the file's) or auto",
+      option<&O::colors>({.text = "Colour of the first file, then of the second, …: '#rrggbb', red, blue, …, own "
+                                  "(the file's) or auto",
                           .unit = "color",
-                          .from_data = "own where there are some",
+                          .from_data = "own if there are any",
                           .name = "color"}),
-      option<&O::opacities>({.text = "The same for opacities, 0..1",
+      option<&O::opacities>({.text = "Opacity of the first file, then of the second, …",
                              .unit = "share",
                              .from_data = "1",
                              .range = {0, 1},
                              .name = "opacity"}),
-      option<&O::names>(
-          {.text = "The same for names in the legend", .unit = "text", .from_data = "the files'", .name = "name"}),
-      option<&O::legend>({.text = "No list of the objects beside the picture"}),
-      option<&O::color_by>({.text = "An attribute of the vertices or points, as a vector its length; with `surface` "
+      option<&O::names>({.text = "Name of the first file in the legend, then of the second, …",
+                         .unit = "text",
+                         .from_data = "the files'",
+                         .name = "name"}),
+      option<&O::legend>({.text = "Omit the legend"}),
+      option<&O::color_by>({.text = "Attribute of the vertices or points (the length of vectors); with `surface` "
                                     "mean, gaussian, k1 or k2 curvature (red convex, blue concave); confidence (red "
-                                    "where no samples are)",
+                                    "far from samples)",
                             .unit = "quantity"}),
       option<&O::color_range, ColorRangeWords>(
-          {.text = "Values with the colours at the ends of the bar: LOW,HIGH, or R for -R,R; of curvatures R, in "
+          {.text = "Values at the ends of the colour bar: LOW,HIGH, or R for -R,R; for curvatures R, in "
                    "1/length or, for gaussian, 1/length²",
            .from_data = "from data",
            .old_name = "value_range"}),
-      option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of the attribute, or of lengths in curvatures, at the colour bar", .unit = "unit"}),
+      option<&O::bar>({.text = "Omit the colour bar"}),
+      option<&O::unit>(
+          {.text = "Unit at the colour bar: of the attribute, or of lengths in curvatures", .unit = "unit"}),
       option<&O::rays>({.text = "levin, alexa, curvature: march through the balls around the samples, or start from "
                                 "polynomials stored with them",
                         .unit = "choice",
                         .from_data = "march",
                         .choices = kRayStarts}),
-      option<&O::splats>({.text =
-                              "Points of the surface, evenly spread, as splats that blend, not rays: of `surface`, or "
-                              "of what suits the samples; 0: as many as there are samples",
+      option<&O::splats>({.text = "Draw this number of evenly spread points as blended splats, of `surface` or the "
+                                  "recommended surface; 0: as many as samples",
                           .unit = "count",
                           .range = {0, kMostSplatsAsked},
                           .implied = "0"}),
-      option<&O::frames>({.text = "So many pictures from all around, as NAME_000.png, NAME_001.png, …",
+      option<&O::frames>({.text = "Number of pictures of a turntable: NAME_000.png, NAME_001.png, …",
                           .unit = "count",
                           .range = {1, kMostPictures}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void PictureOptions::validate() const {

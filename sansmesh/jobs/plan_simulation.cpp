@@ -1,4 +1,4 @@
-// Simulations, planned.
+// Planning of simulations.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -24,17 +24,17 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kUsualTime = 2, kUsualRate = 25;
+constexpr double kDefaultDuration = 2, kDefaultRate = 25;
 constexpr double kMostFrames = 100000, kMostSteps = 1e8;
-constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< of bodies, m
-constexpr double kFloorBelow = 0.3;  ///< of the body's height: how far it falls to the floor that nobody asked for
+constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< range of body sizes, m
+constexpr double kFloorBelow = 0.3;  ///< distance of the default floor below the body, as a share of its height
 
 template <class T>
 void override_by(std::optional<T>& value, const std::optional<T>& option) {
   if (option) value = option;
 }
 
-/// Materials of the cells where nobody says another: their means.
+/// Uses the mean materials of the cells for values that are not given.
 void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes) {
   const AttributeTable& arrays = body.tet_attributes;
   const auto* const density = arrays.find<double>("density");
@@ -51,7 +51,7 @@ void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes
     if (!(m[0] > 0 && m[1] > 0 && m[2] >= 0 && m[2] <= 0.49 && std::isfinite(m[0]) && std::isfinite(m[1])))
       throw DataError(
           fmt::format("the material of a cell cannot be simulated (density {:g}, Young's modulus {:g} Pa, "
-                      "Poisson's ratio {:g}): the first two must be above 0, the last in 0..0.49",
+                      "Poisson's ratio {:g}): the first two must be above 0, the third in 0..0.49",
                       m[0], m[1], m[2]));
     if (known++ == 0) first = m;
     differ = differ || m != first;
@@ -65,18 +65,15 @@ void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes
   };
   mean(0, s.density);
   if (!springs) mean(1, s.young), mean(2, s.poisson);
-  if (taken && differ)
-    notes.push_back(
-        {.code = "mean_material", .text = "several materials: the whole body is of their mean", .remedy = {}});
+  if (taken && differ) notes.push_back({.code = "mean_material", .text = "several materials: the body has their mean"});
   if (taken && known < density->size())
     notes.push_back({.code = "no_material",
-                     .text = fmt::format("{} without a material: they are of that of the others",
-                                         counted(density->size() - known, "cell")),
-                     .remedy = {}});
+                     .text = fmt::format("{} without a material: they have that of the others",
+                                         counted(density->size() - known, "cell"))});
 }
 
-/// The scene with what the options say instead.
-void put_into_scene(const SimulateOptions& o, SceneScript& s) {
+/// Overrides the scene by options.
+void override_scene(const SimulateOptions& o, SceneScript& s) {
   override_by(s.model, o.model);
   override_by(s.integrator, o.integrator);
   override_by(s.step, o.longest_step), override_by(s.duration, o.duration);
@@ -92,16 +89,16 @@ void take_unit(const TetMesh& body, SceneScript& s, std::vector<Note>& notes) {
   const double size = bounds(body).diagonal();
   if (!s.unit && unit != 1)
     notes.push_back({.code = "unit",
-                     .text = fmt::format("{:.4g} long in a unit that nobody says: taken as {}, {:.3g} m", size,
+                     .text = fmt::format("{:.4g} long in an unknown unit: interpreted as {}, {:.3g} m", size,
                                          unit == 0.01 ? "centimetres" : "millimetres", size * unit),
-                     .remedy = "`unit` says another"});
+                     .remedy = "`unit` sets another"});
   s.unit = unit;
   if (!(size * unit >= kLeastSize && size * unit <= kMostSize))
     throw DataError(
-        fmt::format("is {:.3g} m large, which cannot be simulated: `unit` tells of what its lengths are", size * unit));
+        fmt::format("is {:.3g} m large, which cannot be simulated: set the `unit` of lengths", size * unit));
 }
 
-/// A floor where one is asked for, or nothing else keeps the body from falling for ever.
+/// Adds a floor if one is requested, or if nothing else stops the fall of the body.
 void add_floor_below(SceneScript& s, const TetMesh& body, const Vec3& gravity) {
   const bool falls = s.scene.fixed.empty() && s.scene.handles.empty() && s.scene.floors.empty() &&
                      s.scene.spheres.empty() && !s.no_floor;
@@ -120,10 +117,10 @@ void add_floor_below(SceneScript& s, const TetMesh& body, const Vec3& gravity) {
   s.scene.floors.push_back(floor);
 }
 
-/// Moments of the frames.
+/// Times of the frames.
 void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan& plan) {
-  double rate = s.frames_per_second.value_or(kUsualRate);
-  double time = s.duration.value_or(kUsualTime);
+  double rate = s.frames_per_second.value_or(kDefaultRate);
+  double time = s.duration.value_or(kDefaultDuration);
   if (o.frames) {
     const double steps = *o.frames - 1;
     if (o.fps || !s.duration)
@@ -131,13 +128,13 @@ void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan&
     else
       rate = steps / time;
   }
-  // Whole frames at the rate that is asked for; where their number is given, both are kept.
+  // Rounds to whole frames at the given rate; a given number of frames is kept exactly.
   const double frames = o.frames ? *o.frames - 1 : std::floor(time * rate * (1 + 1e-9));
   if (!(frames >= 1))
-    throw ArgumentError(fmt::format("a `duration` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
+    throw ArgumentError(fmt::format("a `duration` of {:g} s is shorter than a frame ({:g} per second)", time, rate));
   if (frames > kMostFrames)
     throw ArgumentError(
-        fmt::format("{:g} s with {:g} frames a second are more than {:g} frames", time, rate, kMostFrames));
+        fmt::format("{:g} s with {:g} frames per second are more than {:g} frames", time, rate, kMostFrames));
   plan.frames = whole_part<std::size_t>(frames) + 1;
   plan.frame_time = 1 / rate;
 }
@@ -146,13 +143,13 @@ void plan_steps(SimulationPlan& plan) {
   const double steps = std::max(1.0, std::ceil(plan.frame_time / plan.options.step - 1e-9));
   if (!(steps * static_cast<double>(plan.frames - 1) <= kMostSteps))
     throw ArgumentError(
-        fmt::format("a `longest_step` of {:.3g} s makes more than {:g} steps", plan.options.step, kMostSteps));
+        fmt::format("a `longest_step` of {:.3g} s gives more than {:g} steps", plan.options.step, kMostSteps));
   plan.frame_steps = whole_part<std::size_t>(steps);
 }
 
-/// Errors of what no option said.
+/// Converts errors of values that no option set to SceneError.
 template <class Work>
-void of_scene(bool by_options, const Work& work) {
+void with_scene_errors(bool by_options, const Work& work) {
   try {
     work();
   } catch (const ArgumentError& error) {
@@ -166,10 +163,10 @@ void of_scene(bool by_options, const Work& work) {
 const OptionSchema& SimulateOptions::schema() {
   using O = SimulateOptions;
   using Integrators = RegistryWords<BodyIntegrator>;
-  static const std::string integrators = "How it goes from step to step: " + registry_summaries<BodyIntegrator>();
+  static const std::string integrators = "Time integrator: " + registry_summaries<BodyIntegrator>();
   static const OptionRow rows[] = {
-      option<&O::model>({.text = "Every edge a spring, or elasticity in pascals (corotational)",
-                         .from_data = "springs, but with `young`",
+      option<&O::model>({.text = "Material: every edge a spring (springs), or corotational elasticity (corotational)",
+                         .from_data = "springs, unless `young` is given",
                          .choices = kModelWords}),
       option<&O::stiffness>(
           {.text = "Stiffness of springs", .unit = "N/m", .from_data = "the body", .range = positive()}),
@@ -182,27 +179,27 @@ const OptionSchema& SimulateOptions::schema() {
                            .range = at_least(0)}),
       option<&O::density>(
           {.text = "Density", .unit = "kg/m³", .from_data = "the file's, else 1000", .range = positive()}),
-      option<&O::unit>({.text = "Of lengths in the body's file and the scene: mm, cm, dm, m, km, inch, foot or metres",
-                        .from_data = "m; where nobody says more, cm or mm of bodies above 20"}),
+      option<&O::unit>(
+          {.text = "Unit of lengths in the body's file and the scene: mm, cm, dm, m, km, inch, foot or metres",
+           .from_data = "m; cm or mm for bodies larger than 20"}),
       option<&O::duration>(
-          {.text = "How long it moves", .unit = "seconds", .from_data = "2", .range = positive(), .old_name = "time"}),
-      option<&O::fps>({.text = "Frames a second", .unit = "1/s", .from_data = "25", .range = positive()}),
-      option<&O::frames>({.text = "So many frames, the body at rest among them", .range = at_least(2)}),
+          {.text = "Simulated time", .unit = "seconds", .from_data = "2", .range = positive(), .old_name = "time"}),
+      option<&O::fps>({.text = "Frames per second", .unit = "1/s", .from_data = "25", .range = positive()}),
+      option<&O::frames>({.text = "Number of frames, the initial one included", .range = at_least(2)}),
       option<&O::integrator, Integrators>(
           {.text = integrators, .from_data = "implicit-euler", .choices = Integrators::names()}),
       option<&O::longest_step>({.text = "Longest step",
                                 .unit = "seconds",
-                                .from_data = "0.01; of explicit ones half of what is stable",
+                                .from_data = "0.01; half the stability limit for explicit ones",
                                 .range = positive(),
                                 .old_name = "step"}),
-      option<&O::z_up>({.text = "Down is where z is small, whatever the scene says"})};
-  static const OptionSchema schema{rows};
-  return schema;
+      option<&O::z_up>({.text = "Gravity pulls along -z, regardless of the scene"})};
+  return option_schema<rows>();
 }
 
 void SimulateOptions::validate() const {
   validate_options(*this);
-  if (frames && fps && duration) throw ArgumentError("of `frames`, `fps` and `duration` only two can be given");
+  if (frames && fps && duration) throw ArgumentError("only two of `frames`, `fps` and `duration` can be given");
 }
 
 SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options) {
@@ -211,7 +208,7 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   std::vector<std::uint32_t>& fixed = scene.scene.fixed;
   std::sort(fixed.begin(), fixed.end());
   fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
-  put_into_scene(options, scene);
+  override_scene(options, scene);
   take_material(body, scene, plan.notes);
   if (scene.stiffness && !scene.model) scene.model = SoftBodyModel::springs;
   if (options.damping) scene.damping = scene.stiffness_damping = options.damping;
@@ -222,12 +219,12 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
 
   TetMesh metres{body.vertices, body.tets, {}, {}};
   for (Vec3& p : metres.vertices) p *= plan.unit;
-  of_scene(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
-  of_scene(false, [&] {
+  with_scene_errors(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
+  with_scene_errors(false, [&] {
     plan.options = suited_options(scene, metres);
     plan.options.validate();
   });
-  of_scene(options.longest_step.has_value(), [&] { plan_steps(plan); });
+  with_scene_errors(options.longest_step.has_value(), [&] { plan_steps(plan); });
   add_floor_below(scene, body, plan.options.gravity);
   plan.scene = std::move(scene.scene);
   plan.rest = std::make_shared<const TetMesh>(std::move(body));
@@ -250,14 +247,14 @@ constexpr ReportRow kSimulationPlanRows[] = {
     reported<[](const SimulationPlan& r) { return r.rest->tets.size(); }>(
         {.name = "input.tetrahedra", .text = "Tetrahedra of the body"}),
     reported<[](const SimulationPlan& r) { return r.scene.fixed.size(); }>(
-        {.name = "scene.fixed", .text = "Vertices that are held"}),
+        {.name = "scene.fixed", .text = "Fixed vertices"}),
     reported<[](const SimulationPlan& r) { return r.scene.forces.size(); }>({.name = "scene.forces", .text = "Forces"}),
     reported<[](const SimulationPlan& r) { return r.scene.handles.size(); }>(
         {.name = "scene.handles", .text = "Handles"}),
     reported<[](const SimulationPlan& r) { return r.scene.floors.size(); }>({.name = "scene.floors", .text = "Floors"}),
     reported<[](const SimulationPlan& r) { return r.scene.spheres.size(); }>(
         {.name = "scene.spheres", .text = "Spheres"}),
-    reported<&SimulationPlan::unit>({.name = "scene.unit", .text = "Metres of the unit of lengths", .unit = "m"}),
+    reported<&SimulationPlan::unit>({.name = "scene.unit", .text = "Unit of lengths in metres", .unit = "m"}),
     reported<[](const SimulationPlan& r) { return r.options.gravity; }>(
         {.name = "scene.gravity", .text = "Gravity", .unit = "m/s²"}),
     reported<[](const SimulationPlan& r) { return r.options.model; }>(
@@ -278,13 +275,12 @@ constexpr ReportRow kSimulationPlanRows[] = {
     reported<[](const SimulationPlan& r) { return r.options.step; }>(
         {.name = "step", .text = "Longest step", .unit = "s"}),
     reported<&SimulationPlan::frames>({.name = "output.frames", .text = "Frames"}),
-    reported<&SimulationPlan::frame_time>(
-        {.name = "output.frame_time", .text = "Time from frame to frame", .unit = "s"})};
+    reported<&SimulationPlan::frame_time>({.name = "output.frame_time", .text = "Time between frames", .unit = "s"})};
 
 }  // namespace
 
 const ReportSchema& SimulationPlan::schema() {
-  // Which integrators there are is known when the program runs.
+  // The registered integrators are known only at run time.
   static const std::vector<ReportRow> rows = [] {
     std::vector<ReportRow> all(std::begin(kSimulationPlanRows), std::end(kSimulationPlanRows));
     for (ReportRow& row : all)

@@ -2,7 +2,8 @@
 
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/data/world_points.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
 
@@ -13,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Step of the second derivatives over the spacing of the samples.
+/// Step of the second differences, in sample spacings.
 constexpr double kLevelSetStep = 0.25;
 
 }  // namespace
@@ -32,17 +33,17 @@ void ProbeFunctionResult::add_to(AttributeTable& attributes) const {
   add("k2", [](const LevelSetPoint& p) { return p.k2; });
 }
 
-ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<const Vec3> places, Progress& progress) {
+ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<const Vec3> points, Progress& progress) {
   progress.begin("evaluate");
   const FittedFunction& function = probed.fitted();
-  const std::size_t n = places.size();
+  const std::size_t n = points.size();
   std::vector<Vec3> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = function.frame.from_input(places[i]);
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.frame.from_input(points[i]);
   ProbeFunctionResult result;
   std::vector<LevelSetPoint> values(n);
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
   result.values.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
+  for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], points[i]});
   const double unit = function.frame.unit;
   ProbeFunctionReport& r = result.report;
   r.points = n;
@@ -61,11 +62,7 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   return result;
 }
 
-std::vector<Vec3> places_of(const PointSet& points) {
-  std::vector<Vec3> places(points.size());
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = points.origin + Vec3(points.positions[i]);
-  return places;
-}
+std::vector<Vec3> positions_of(const PointSet& points) { return world_points(points.origin, points.positions); }
 
 std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
   const ProbeFunctionReport& r = probed.report;
@@ -75,44 +72,37 @@ std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
                                 length_words(r.mean), length_words(r.median), length_words(r.largest),
                                 r.largest_gradient));
   else
-    for (const ProbedPlace& v : probed.values)
-      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}",
-                                  v.at.x, v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
+    for (const ProbedPoint& v : probed.values)
+      lines.push_back(fmt::format("{}  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}", point_words(v.at, 8),
+                                  v.value, point_words(v.gradient), v.k1, v.k2));
   return lines;
 }
 
-namespace {
-
-constexpr ReportRow kProbeFunctionReportRows[] = {
-    reported<&ProbeFunctionReport::points>({.text = "Points that were evaluated"}),
-    reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
-    reported<&ProbeFunctionReport::mean>(
-        {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
-    reported<&ProbeFunctionReport::median>(
-        {.name = "absolute_value.median", .text = "Half of the absolute values are below", .unit = "length"}),
-    reported<&ProbeFunctionReport::largest>(
-        {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
-    reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
-
-}  // namespace
-
 const ReportSchema& ProbeFunctionReport::schema() {
-  static constexpr ReportSchema schema{kProbeFunctionReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ProbeFunctionReport::points>({.text = "Evaluated points"}),
+      reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
+      reported<&ProbeFunctionReport::mean>(
+          {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
+      reported<&ProbeFunctionReport::median>(
+          {.name = "absolute_value.median", .text = "Median of the absolute values", .unit = "length"}),
+      reported<&ProbeFunctionReport::largest>(
+          {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
+      reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
+  return report_schema<rows>();
 }
 
-const ReportSchema& ProbedPlace::schema() {
+const ReportSchema& ProbedPoint::schema() {
   static constexpr ReportRow rows[] = {
-      reported<&ProbedPlace::at>({.text = "Place", .unit = "length"}),
-      reported<[](const ProbedPlace& r) { return r.value; }>(
-          {.name = "value", .text = "Value, about the distance from the surface", .unit = "length"}),
-      reported<[](const ProbedPlace& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
-      reported<[](const ProbedPlace& r) { return r.k1; }>(
+      reported<&ProbedPoint::at>({.text = "Query point", .unit = "length"}),
+      reported<[](const ProbedPoint& r) { return r.value; }>(
+          {.name = "value", .text = "Value, approximately the distance from the surface", .unit = "length"}),
+      reported<[](const ProbedPoint& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
+      reported<[](const ProbedPoint& r) { return r.k1; }>(
           {.name = "k1", .text = "Larger principal curvature of the level set", .unit = "1/length"}),
-      reported<[](const ProbedPlace& r) { return r.k2; }>(
+      reported<[](const ProbedPoint& r) { return r.k2; }>(
           {.name = "k2", .text = "Smaller principal curvature of the level set", .unit = "1/length"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

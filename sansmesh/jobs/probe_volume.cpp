@@ -18,7 +18,7 @@ std::vector<std::string> component_names(const std::string& array, std::size_t c
   return names;
 }
 
-/// A name as a field of a table: quoted where it has to be.
+/// A name as a CSV field, quoted if necessary.
 std::string csv_name(const std::string& name) {
   if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
   std::string quoted = "\"";
@@ -41,14 +41,10 @@ ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points
   result.report.inside = static_cast<std::size_t>(std::count(result.inside.begin(), result.inside.end(), 1));
   if (n > 0 && result.report.inside == 0) {
     const Box3 box = field->bounds();
-    result.notes.push_back(
-        {.code = "outside",
-         .text = fmt::format("none of {} lies in the volume, which reaches from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
-                             "{:.6g}, {:.6g})",
-                             counted(n, "point"), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
-                             box.upper.z),
-         .remedy = {},
-         .of = volume.name()});
+    result.notes.push_back({.code = "outside",
+                            .text = fmt::format("none of {} is in the volume, which extends from {} to {}",
+                                                counted(n, "point"), point_words(box.lower), point_words(box.upper)),
+                            .of = volume.name()});
   }
   return result;
 }
@@ -72,15 +68,9 @@ std::string probe_table(const ProbeResult& p) {
   return text;
 }
 
-namespace {
-
-constexpr ReportRow kProbeReportRows[] = {reported<&ProbeReport::inside>({.text = "Points in the volume"})};
-
-}  // namespace
-
 const ReportSchema& ProbeReport::schema() {
-  static constexpr ReportSchema schema{kProbeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&ProbeReport::inside>({.text = "Points inside the volume"})};
+  return report_schema<rows>();
 }
 
 std::vector<ProbedValue> probed_values(const ProbeResult& p) {
@@ -95,13 +85,12 @@ std::vector<ProbedValue> probed_values(const ProbeResult& p) {
 
 const ReportSchema& ProbedValue::schema() {
   static constexpr ReportRow rows[] = {
-      reported<&ProbedValue::at>({.text = "Place", .unit = "length"}),
+      reported<&ProbedValue::at>({.text = "Query point", .unit = "length"}),
       reported<&ProbedValue::name>({.text = "Component"}),
       reported<&ProbedValue::value>({.text = "Value", .unit = "unit of the array"}),
       reported<&ProbedValue::gradient>({.text = "Gradient", .unit = "per length"}),
-      reported<&ProbedValue::inside>({.text = "Whether the place lies in the volume"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+      reported<&ProbedValue::inside>({.text = "Whether the point is inside the volume"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const ProbeResult& probed) {
@@ -110,8 +99,8 @@ std::vector<std::string> summary_of(const ProbeResult& probed) {
       fmt::format("{}, {} in the volume", counted(n, "point"), grouped(probed.report.inside))};
   if (n <= kListedPoints)
     for (const ProbedValue& v : probed_values(probed))
-      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient {}{}", v.at.x, v.at.y, v.at.z, v.name,
-                                  v.value, place_words(v.gradient), v.inside ? "" : "  outside"));
+      lines.push_back(fmt::format("{}  {} {:.8g}  gradient {}{}", point_words(v.at, 8), v.name, v.value,
+                                  point_words(v.gradient), v.inside ? "" : "  outside"));
   return lines;
 }
 

@@ -33,7 +33,7 @@ const std::vector<std::string_view>& project_methods() {
   return names;
 }
 
-/// Nothing: what suits the samples. With options that not all surfaces use it is `curvature`, as they are its.
+/// Empty: the recommended surface. Options that only some surfaces use imply `curvature`, which uses them.
 std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
   SurfaceOptions surface = o.surface;
   if (o.method != kSuited)
@@ -47,12 +47,12 @@ std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
 
 void check_lop(const ProjectOptions& o, bool onto) {
   const auto check = [](bool ok, std::string_view option, const char* why) {
-    if (!ok) throw ArgumentError(fmt::format("`{}` means nothing to `method = lop`: {}", option, why));
+    if (!ok) throw ArgumentError(fmt::format("`{}` does not apply to `method = lop`: {}", option, why));
   };
-  const char* const what = "it has no surface, and moves to the input";
+  const char* const what = "it uses the input points, without a surface";
   check(!onto, "onto", what);
   if (const auto set = options_set(o.surface); !set.empty()) check(false, set.front(), what);
-  check(!o.cloud.remove_outliers, "remove_outliers", "outliers hardly draw its points");
+  check(!o.cloud.remove_outliers, "remove_outliers", "stray samples hardly affect it");
   if (const auto set = options_set(o.steps); !set.empty()) check(false, set.front(), what);
 }
 
@@ -84,8 +84,9 @@ PointSet consolidated(const ProjectInput& input, const ProjectOptions& o, Projec
 
 const OptionSchema& ProjectOptions::schema() {
   using O = ProjectOptions;
-  static const std::string methods = "auto (what suits the samples), lop (consolidation of the input) or a surface: " +
-                                     SurfaceMethod::registry().names();
+  static const std::string methods =
+      "auto (recommended for the samples), lop (consolidation of the input) or a surface: " +
+      SurfaceMethod::registry().names();
   static const OptionRow rows[] = {
       option<&O::method, ListedWords<project_methods>>({.text = methods, .unit = "name", .choices = project_methods()}),
       option<&O::point_count>(
@@ -94,17 +95,16 @@ const OptionSchema& ProjectOptions::schema() {
            .range = {1, kMostPoints},
            .old_name = "points"}),
       option_group<&O::steps>(ProjectToSurface::schema().rows), option_group<&O::lop>(LopOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ProjectOptions::validate() const {
   validate_options(*this);
   if (method == kLop) return check_lop(*this, false);
   if (const auto set = options_set(lop); !set.empty())
-    throw ArgumentError(
-        method == kSuited ? fmt::format("`{}` means nothing here: it belongs to `method = lop`", set.front())
-                          : fmt::format("`{}` means nothing to `method = {}`: it belongs to lop", set.front(), method));
+    throw ArgumentError(method == kSuited
+                            ? fmt::format("`{}` needs `method = lop`", set.front())
+                            : fmt::format("`{}` does not apply to `method = {}`: it needs lop", set.front(), method));
   if (const auto chosen = surface_of(*this)) chosen->validate();
 }
 
@@ -119,20 +119,14 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
   const std::string onto = input.onto ? input.onto_name : input.name;
   result.points = on_surface(input, options, result, progress);
   if (result.points.size() == 0)
-    throw DataError(fmt::format("{}: no point lies near enough to the surface of {}", input.name, onto));
+    throw DataError(fmt::format("{}: no point is near enough to the surface of {}", input.name, onto));
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kProjectReportRows[] = {reported<&ProjectReport::method>({.text = "Method, by name"}),
-                                            reported_beside<&ProjectReport::moved>()};
-
-}  // namespace
-
 const ReportSchema& ProjectReport::schema() {
-  static constexpr ReportSchema schema{kProjectReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&ProjectReport::method>({.text = "Name of the method"}),
+                                       reported_beside<&ProjectReport::moved>()};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -30,7 +30,7 @@ std::vector<Vec3> vectors_of(const std::string& text, std::string_view words) {
   return vectors;
 }
 
-/// Calls; errors of its numbers become errors of the cut.
+/// Calls `make`; errors of its numbers become errors of the cut.
 template <class Make>
 std::shared_ptr<const Occluder> made(const std::string& text, Make make) {
   try {
@@ -46,13 +46,13 @@ std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& do
   const std::string_view all = without_blanks(text);
   const auto inner = [&](std::string_view name) -> std::optional<std::string_view> {
     if (!all.starts_with(name) || all.size() < name.size() + 2 || all[name.size()] != '(') return std::nullopt;
-    if (all.back() != ')') bad_cut(text, "there is no ')' at its end");
+    if (all.back() != ')') bad_cut(text, "')' is missing at its end");
     return all.substr(name.size() + 1, all.size() - name.size() - 2);
   };
   if (const auto words = inner("half-plane")) {
     const std::vector<Vec3> v = vectors_of(text, *words);
     if (v.size() != 3)
-      bad_cut(text, "a half-plane is a point of its edge; its normal; and the direction it extends in");
+      bad_cut(text, "a half-plane is a point of its edge; its normal; and the direction in which it extends");
     return made(text, [&] { return half_plane(v[0], v[1], v[2]); });
   }
   if (const auto words = inner("polygon")) {
@@ -60,8 +60,7 @@ std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& do
     for (const std::string& loop : parts_between(*words, '|')) loops.push_back(vectors_of(text, loop));
     return made(text, [&] { return polygon_occluder(loops); });
   }
-  if (all.find('(') != std::string_view::npos)
-    bad_cut(text, "neither half-plane(…), polygon(…) nor the name of a mesh");
+  if (all.find('(') != std::string_view::npos) bad_cut(text, "neither half-plane(…), polygon(…) nor a mesh file");
   const std::string file(all);
   try {
     return mesh_occluder(read_mesh(file), {.domain = domain});

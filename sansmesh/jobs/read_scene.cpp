@@ -1,4 +1,4 @@
-// Bodies and scenes from their files.
+// Reads bodies and scenes from files.
 #include <filesystem>
 #include <memory>
 #include <utility>

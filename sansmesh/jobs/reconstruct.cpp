@@ -29,7 +29,7 @@ namespace {
 
 using namespace detail;
 
-/// Mesh error of surfaces that do not know their own, over the spacing and the noise.
+/// Mesh error of surfaces without an error estimate, as factors of spacing and noise.
 constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 
 constexpr const char* kKeepAll = "; `components = all` keeps every part";
@@ -42,7 +42,7 @@ PreparedCloud prepare(PointSet points, const CloudPreparation& use, Progress& pr
   return cloud;
 }
 
-/// The surface asked for, with those options of the fit that it uses.
+/// Options of the surface, with the options of the fit that it uses.
 SurfaceOptions surface_options(const ReconstructOptions& options) {
   SurfaceOptions o = options.surface;
   const SurfaceMethod& method = surface_method(o.method);
@@ -52,8 +52,8 @@ SurfaceOptions surface_options(const ReconstructOptions& options) {
   return o;
 }
 
-/// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
-/// where these end.
+/// Reconstructs a surface other than the partition of unity: meshes it in blocks refined by curvature down to the
+/// sample spacing, and cuts it off where the samples end.
 void reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                          ReconstructResult& result) {
   ReconstructReport& r = result.report;
@@ -85,7 +85,7 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
     trim = *asked.trim > 0 ? frame.from_input(*asked.trim) : std::max(4 * spacing, 6 * frame.from_input(r.noise));
   std::optional<bool> solid;
   if (options.fit.open) solid = !*options.fit.open;
-  // Beyond those of the samples they are of what closes holes.
+  // Feet beyond the samples belong to filled holes.
   feet.positions.resize(std::min(feet.size(), model.points().size()));
   feet.normals.resize(feet.size());
   const SurfaceDomain domain(field, feet, spacing, fill, trim, solid, traits.closes_holes);
@@ -114,8 +114,7 @@ const OptionSchema& ReconstructOptions::schema() {
   static const OptionRow rows[] = {
       option_group<&O::cloud>(CloudPreparation::schema().rows), option_group<&O::fit>(FitOptions::schema().rows),
       option_group<&O::mesh>(MeshOptions::schema().rows), option_group<&O::surface>(SurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ReconstructOptions::validate() const {
@@ -123,7 +122,7 @@ void ReconstructOptions::validate() const {
   if (other_surface()) {
     const SurfaceMethod& method = surface_method(surface.method);
     const auto refuse = [&](std::string_view option) {
-      throw ArgumentError(fmt::format("`{}` belongs to the partition, not to the surface {}", option, method.name));
+      throw ArgumentError(fmt::format("`{}` applies to the partition, not to the surface {}", option, method.name));
     };
     if (mesh.mesher == Mesher::walk) refuse("mesher = walk");
     for (const std::string_view option : options_set(fit)) {
@@ -137,7 +136,7 @@ void ReconstructOptions::validate() const {
   const bool walks = mesh.mesher == Mesher::walk || (mesh.mesher == Mesher::automatic && fit.is_paper());
   if (walks) mesh.validate_walk();
   if (!walks && mesh.enhance && mesh.displacement > 0)
-    throw ArgumentError("`displacement` needs `enhance = false`: clustering undoes it");
+    throw ArgumentError("`displacement` needs `enhance = false`: enhancement reverses it");
 }
 
 ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress) {
@@ -159,48 +158,42 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   r.fits_of_degree = f.functions_of_degree;
   r.paper = function.paper;
   r.open_share = f.area > 0 ? f.open_area / f.area : 0;
-  r.behind = f.behind;
+  r.mean_winding_number = f.mean_winding_number;
   if (r.most_lost && !r.warnings.empty())
-    r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where they end" : kKeepAll;
+    r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where the samples end" : kKeepAll;
   add_notes(result.notes, "preparation", function.warnings);
   add_notes(result.notes, "mesh", r.warnings);
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kReconstructReportRows[] = {
-    reported_base<MeshReport, ReconstructReport>(),
-    reported<&ReconstructReport::noise>(
-        {.name = "deviation", .text = "Standard deviation of the samples off the surface", .unit = "length"}),
-    reported<&ReconstructReport::estimated_normals>(
-        {.name = "normals.estimated", .text = "Whether normals were estimated"}),
-    reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
-                                               .text = "From what normals got their signs; nothing: from the input",
-                                               .choices = kOrientByWords}),
-    reported<[](const ReconstructReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
-        {.name = "alignment", .text = "How scans were aligned, in words"}),
-    reported<&ReconstructReport::fits>({.text = "Local fits"}),
-    reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),
-    reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
-    reported<&ReconstructReport::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
-    reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-    reported<&ReconstructReport::behind>(
-        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
-
-}  // namespace
-
 const ReportSchema& ReconstructReport::schema() {
-  static constexpr ReportSchema schema{kReconstructReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported_base<MeshReport, ReconstructReport>(),
+      reported<&ReconstructReport::noise>(
+          {.name = "deviation", .text = "Standard deviation of the samples from the surface", .unit = "length"}),
+      reported<&ReconstructReport::estimated_normals>(
+          {.name = "normals.estimated", .text = "Whether normals were estimated"}),
+      reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
+                                                 .text = "Source of the signs of normals; null: the input",
+                                                 .choices = kOrientByWords}),
+      reported<[](const ReconstructReport& r) { return value_if(!r.alignment.empty(), r.alignment); }>(
+          {.name = "alignment", .text = "Registration of scans, as text"}),
+      reported<&ReconstructReport::fits>({.text = "Local fits"}),
+      reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),
+      reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+      reported<&ReconstructReport::paper>({.text = "Construction of blocks, for fits by a published method"}),
+      reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+      reported<&ReconstructReport::mean_winding_number>(
+          {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
+  return report_schema<rows>();
 }
 
 namespace {
 
-/// What was decided on whether the surface bounds a solid, and why.
+/// Whether the surface bounds a solid, and why.
 std::string openness_words(const ReconstructReport& r, std::optional<bool> asked) {
-  if (asked) return *asked ? "open, as asked: the surface ends where the samples end" : "closed, as asked";
-  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.behind);
+  if (asked) return *asked ? "open, as requested: the surface ends where the samples end" : "closed, as requested";
+  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.mean_winding_number);
   if (r.open_share <= 0) return fmt::format("closed ({})", why);
   if (r.open_share > 0.995) return fmt::format("open ({}): the surface ends where the samples end", why);
   return fmt::format("{:.0f} % open ({}): there the surface ends where the samples end", 100 * r.open_share, why);
@@ -216,7 +209,7 @@ std::vector<std::string> summary_of(const ReconstructReport& r, const Reconstruc
       counted(r.blocks, "block"), r.block_depth)};
   if (r.paper)
     for (std::string& line : paper_words(*r.paper, r.fits_of_degree)) lines.push_back(std::move(line));
-  if (r.simplices > 0) lines.push_back("walked through " + grouped(r.simplices) + " simplices");
+  if (r.simplices > 0) lines.push_back("traversed " + grouped(r.simplices) + " simplices");
   lines.push_back(normals_made(r.estimated_normals, r.oriented_by));
   if (!r.alignment.empty()) lines.push_back(r.alignment);
   if (!other && !r.paper) lines.push_back(openness_words(r, options.fit.open));

@@ -22,10 +22,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Fewer samples are drawn as they are: their surface may be nowhere.
+/// Clouds with fewer samples are drawn as points, since their surface is uncertain.
 constexpr std::size_t kFewestOfSurface = 30;
 
-/// Puts together what follows from several options.
+/// Completes options that depend on each other.
 PictureOptions completed(PictureOptions o, std::size_t objects) {
   if (o.splats && o.look.plain) {
     o.look.picture.look.shadows = o.look.picture.look.ground = false;
@@ -38,7 +38,7 @@ PictureOptions completed(PictureOptions o, std::size_t objects) {
   return o;
 }
 
-/// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
+/// Discs around samples have rims that would appear as lines, so lines of a cloud are those of a surface.
 bool lines_may_need_surface(const std::vector<PictureObject>& objects, const PictureOptions& o) {
   return o.look.picture.look.lines != PictureLook::Lines::none && objects.size() == 1 && !is_of_lines(objects, o) &&
          !o.translucent() && o.color_by.empty() && !o.look.picture.look.point_radius &&
@@ -47,7 +47,7 @@ bool lines_may_need_surface(const std::vector<PictureObject>& objects, const Pic
          objects[0].points.size() >= kFewestOfSurface;
 }
 
-/// False for points that make no surface: their discs have silhouettes all the same.
+/// Returns false for points without a surface; their discs still have silhouettes.
 bool draw_lines_of_surface(const PictureObject& object, const PictureOptions& o, const UsePicture& use,
                            RenderResult& result, Progress& progress) {
   PictureOptions by_rays = o;
@@ -60,11 +60,11 @@ bool draw_lines_of_surface(const PictureObject& object, const PictureOptions& o,
   }
 }
 
-/// The colours of the attribute that meshes of clouds have; where it is not known, those of none.
+/// Colours by the attribute of meshes of clouds; undefined values count as 0.
 void color_by_confidence(TriangleMesh& mesh) {
   const Attribute* const confidence = mesh.attributes.find(kConfidence);
   if (!confidence || confidence->components != 1)
-    throw DataError("has no attribute confidence: meshes of clouds have it that are made with `confidence`");
+    throw DataError("has no attribute confidence: reconstruct the mesh with `confidence`");
   mesh.colors.resize(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
     const double known = confidence->number(v);
@@ -73,7 +73,7 @@ void color_by_confidence(TriangleMesh& mesh) {
   }
 }
 
-/// By `color_by`, if there is one.
+/// Colours by `color_by`, if given.
 std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, RenderOptions& picture) {
   if (o.color_by.empty()) return std::nullopt;
   if (o.color_by == kConfidence) {
@@ -81,8 +81,8 @@ std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, 
     return confidence_bar();
   }
   if (is_curvature(o.color_by) && !mesh.attributes.find(o.color_by))
-    throw ArgumentError("`color_by` of curvatures needs `surface`, or a file that has them as attributes");
-  picture.look.shadows = picture.look.ground = false;  // colours are to be read
+    throw ArgumentError("`color_by` with a curvature needs `surface`, or a file with curvature attributes");
+  picture.look.shadows = picture.look.ground = false;  // shading would alter the colours
   return color_by_attribute(mesh, o.color_by, o.color_range, o.unit);
 }
 
@@ -97,7 +97,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
     TriangleMesh mesh = to_mesh(std::move(points));
     std::optional<ColorBar> bar = color_mesh(mesh, o, picture);
     if (!o.bar) bar.reset();
-    leave_room(picture, bar);
+    reserve_width(picture, bar);
     const Image image = render_mesh(mesh, picture, progress);
     use(0, beside_bar(image, bar, picture), picture);
   });
@@ -108,7 +108,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
 RenderResult render(std::vector<PictureObject> objects, const PictureOptions& options, const UsePicture& use,
                     Progress& progress) {
   options.validate();
-  if (objects.empty()) throw ArgumentError("there is nothing to draw: no object is given");
+  if (objects.empty()) throw ArgumentError("nothing to draw: no object is given");
   check_objects(objects, options);
   const PictureOptions o = completed(options, objects.size());
   RenderResult result;

@@ -1,4 +1,4 @@
-// A volume on a uniform grid.
+// Resampling of volumes to uniform grids.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -29,18 +29,12 @@ std::string lattice_words(const std::array<std::size_t, 3>& size, double inside)
   return fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * inside);
 }
 
-namespace {
-
-constexpr ReportRow kResampleReportRows[] = {
-    reported<&ResampleReport::size>({.name = "output.size", .text = "Values along the axes"}),
-    reported<&ResampleReport::inside>(
-        {.name = "output.inside", .text = "Share of the values that lie in the volume", .unit = "share"})};
-
-}  // namespace
-
 const ReportSchema& ResampleReport::schema() {
-  static constexpr ReportSchema schema{kResampleReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ResampleReport::size>({.name = "output.size", .text = "Values along the axes"}),
+      reported<&ResampleReport::inside>(
+          {.name = "output.inside", .text = "Share of the values inside the volume", .unit = "share"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Errors of scenes and bodies with the files that they are of.
+// Adds file names to errors of scenes and bodies.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Calls; what the scene says and cannot be is an error of its file, what the body cannot be of the body's. Empty names
-/// are none.
+/// Calls `call`; errors of the scene become errors of the scene file, errors of the body those of the body's file.
+/// Empty names are ignored.
 template <class Call>
 decltype(auto) with_files(const std::string& body, const std::string& scene, Call&& call) {
   try {

@@ -23,7 +23,7 @@ std::vector<CutPlane> series_of(const SectionOptions& o, const Box3& box) {
   const auto k = static_cast<std::size_t>(axis);
   if (!o.first && !o.interval) return spread_planes(box, axis, o.count.value_or(1));
   if (o.interval && !o.count) {
-    // As many as reach to the other end of the box.
+    // As many planes as fit into the box.
     const double start =
         o.first.value_or(*o.interval > 0 ? box.lower[k] + 0.5 * *o.interval : box.upper[k] + 0.5 * *o.interval);
     const double left = ((*o.interval > 0 ? box.upper[k] : box.lower[k]) - start) / *o.interval;
@@ -56,24 +56,23 @@ const OptionSchema& SectionOptions::schema() {
                           .unit = "plane",
                           .name = "plane"}),
       option<&O::axis>({.text = "Planes perpendicular to x, y or z", .unit = "axis", .choices = kSectionAxes}),
-      option<&O::first>({.text = "Position of the first of them",
+      option<&O::first>({.text = "Position of the first plane",
                          .unit = "length",
                          .from_data = "half an interval inside the box",
                          .needs = "axis",
                          .old_name = "start"}),
-      option<&O::interval>({.text = "Distance from one to the next",
+      option<&O::interval>({.text = "Distance between planes",
                             .unit = "length",
                             .from_data = "spread over the box",
                             .needs = "axis",
                             .old_name = "step"}),
-      option<&O::count>({.text = "How many",
+      option<&O::count>({.text = "Number of planes",
                          .from_data = "1, or as many as `interval` fits into the box",
                          .range = {1, kMostPlanesOfSeries},
                          .needs = "axis"}),
       option<&O::resolution>(
-          {.text = "Of a function: lattice squares along the longer side", .from_data = "512", .range = {2, 4096}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+          {.text = "For functions: lattice squares along the longer side", .from_data = "512", .range = {2, 4096}})};
+  return option_schema<rows>();
 }
 
 void SectionOptions::validate() const {
@@ -89,7 +88,7 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   const ScalarField* const field = surface.field();
   if (options.resolution && !field) throw ArgumentError("`resolution` is for functions: meshes are cut exactly");
   if (surface.kind() == AnySurface::Kind::points)
-    throw DataError(surface.name() + ": has no faces to cut: a surface has to be made of the points first");
+    throw DataError(surface.name() + ": has no faces to cut: reconstruct a surface first");
   const Box3 box = surface.bounds();
   if (box.empty()) throw DataError(surface.name() + ": has no finite points");
   const std::vector<CutPlane> planes = planes_of(options, box);
@@ -103,21 +102,14 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   if (r.open_curves > 0)
     result.notes.push_back({.code = "open_curves",
                             .text = fmt::format("{} of {} open: the surface has borders there, which enclose no area",
-                                                grouped(r.open_curves), counted(r.curves, "curve")),
-                            .remedy = {}});
+                                                grouped(r.open_curves), counted(r.curves, "curve"))});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kSectionResultRows[] = {
-    reported<&SectionResult::sections>({.name = "planes", .text = "Planes, with what they cut out"})};
-
-}  // namespace
-
 const ReportSchema& SectionResult::schema() {
-  static constexpr ReportSchema schema{kSectionResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SectionResult::sections>({.name = "planes", .text = "Planes with their sections"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

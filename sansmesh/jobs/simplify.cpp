@@ -1,4 +1,5 @@
 #include "sansmesh/attribute_table.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/option.h"
 #include "sansmesh/repair.h"
@@ -16,36 +17,36 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/repair/components.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What is asked for where only a number of triangles is: errors grow from this part of the diagonal.
+/// First error bound if only a number of triangles is given, as a share of the diagonal; it grows from there.
 constexpr double kFirstError = 1e-5;
-constexpr double kUsualRatio = 0.5;
-/// Of the diagonal: who is farther off is told so.
+constexpr double kDefaultRatio = 0.5;
+/// Share of the diagonal above which a distance is reported.
 constexpr double kFarOff = 0.01;
-/// Shapes of the triangles made, best first: worse ones only if a number of triangles wants them, or where so few of
-/// better ones are far off and worse ones are not, or have no more than this share of the distance.
+/// Shape bounds, best first. A worse bound is used only if the number of triangles requires it, or if it reduces the
+/// distance to this share where the better shapes are far off.
 constexpr double kShapes[] = {0.3, 0.1, 0};
 constexpr double kWorthIt = 0.7;
 constexpr double kMostTriangles = 2'000'000'000;
 
-/// A mesh made of the original, and how far they are from each other.
+/// A simplified mesh with its distance from the original.
 struct Simplified {
   TriangleMesh mesh;
   SurfaceDistance distance;
-  double shape = 0;  ///< least one of the triangles made
+  double shape = 0;  ///< least shape of new triangles
 
   double farthest() const { return std::max(distance.to_reference.max, distance.from_reference.max); }
   double rms() const { return std::max(distance.to_reference.rms, distance.from_reference.rms); }
   bool far_off() const { return distance.diagonal > 0 && farthest() > kFarOff * distance.diagonal; }
 };
 
-/// From the shape with this index in kShapes on, or that which was asked for.
+/// Starts with the given index of kShapes, or uses the given shape.
 Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const TriangleMesh& original,
                          const SimplifyOptions& asked, CollapseOptions options, Progress& progress) {
   progress.begin("simplify");
@@ -61,19 +62,17 @@ Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const Trian
 
 Note seams_note(std::size_t seams) {
   return {.code = "seams",
-          .text = fmt::format("{} at the same place as another, but with other colours or attributes: seams may open",
-                              seams == 1 ? "1 vertex is" : grouped(seams) + " vertices are"),
-          .remedy = {}};
+          .text = fmt::format("{} coincident with another, but with other colours or attributes: seams may open",
+                              seams == 1 ? "1 vertex is" : grouped(seams) + " vertices are")};
 }
 
 Note more_triangles_note(const TriangleMesh& mesh, std::size_t wanted) {
   const std::size_t stay = measure_topology(mesh).nonmanifold_edges;
   return {.code = "more_triangles",
-          .text = fmt::format("{} instead of the {} triangles asked for: no other edge can go{}",
+          .text = fmt::format("{} instead of {} triangles: no other edge can be collapsed{}",
                               grouped(mesh.triangles.size()), grouped(wanted),
-                              stay > 0 ? fmt::format(" ({} of three triangles or more stay)", counted(stay, "edge"))
-                                       : ", or the shape would change"),
-          .remedy = {}};
+                              stay > 0 ? fmt::format(" ({} with three or more triangles stay)", counted(stay, "edge"))
+                                       : ", or the shape would change")};
 }
 
 Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
@@ -83,12 +82,11 @@ Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
             .text = fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} {} too few for all of its "
                                 "shape",
                                 length_words(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
-                                counted(triangles, "triangle"), triangles == 1 ? "is" : "are"),
-            .remedy = {}};
+                                counted(triangles, "triangle"), triangles == 1 ? "is" : "are")};
   if (asked.triangle_shape.value_or(0) > 0)
-    note.remedy = "`triangle_shape = 0` makes thinner ones, which may come nearer";
+    note.remedy = "`triangle_shape = 0` allows thinner ones, which may be closer";
   else if (!asked.error)
-    note.remedy = "`error` says how far off they may be";
+    note.remedy = "`error` sets the allowed distance";
   return note;
 }
 
@@ -97,44 +95,41 @@ Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
 const OptionSchema& SimplifyOptions::schema() {
   using O = SimplifyOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::triangles>({.text = "Down to so many triangles", .range = {4, kMostTriangles}}),
-      option<&O::ratio>({.text = "Down to this share of the triangles",
-                         .unit = "share",
-                         .from_data = "0.5",
-                         .range = {0, 1, true, true}}),
-      option<&O::error>({.text = "As few triangles as this distance from the original allows (rms, at each vertex)",
+      option<&O::triangles>({.text = "Target number of triangles", .range = {4, kMostTriangles}}),
+      option<&O::ratio>(
+          {.text = "Target share of the triangles", .unit = "share", .from_data = "0.5", .range = {0, 1, true, true}}),
+      option<&O::error>({.text = "Fewest triangles within this distance of the original (rms, at each vertex)",
                          .unit = "length",
                          .range = positive()}),
-      option<&O::triangle_shape>({.text = "Worst shape of the triangles made: 0 any, 0.3 angles of 10°, 0.56 of 20°",
+      option<&O::triangle_shape>({.text = "Least shape of new triangles: 0 any, 0.3 angles of 10°, 0.56 of 20°",
                                   .unit = "share",
-                                  .from_data = "0.3; less if it must be",
+                                  .from_data = "0.3; less if necessary",
                                   .range = {0, 0.9},
                                   .old_name = "shape"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SimplifyOptions::validate() const {
   validate_options(*this);
   if ((triangles ? 1 : 0) + (ratio ? 1 : 0) + (error ? 1 : 0) > 1)
-    throw ArgumentError("`triangles`, `ratio` and `error` each say how far to go: give one of them");
+    throw ArgumentError("give only one of `triangles`, `ratio` and `error`");
 }
 
 SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress) {
   options.validate();
   SimplifyResult result;
   const TriangleMesh original = mesh;
-  const JoinedPlaces places = join_places(mesh);
+  const JoinedVertices places = join_equal_vertices(mesh);
   result.report.vertices = original.vertices.size(), result.report.triangles = original.triangles.size();
   result.report.joined_vertices = places.joined;
   if (places.seams > 0) result.notes.push_back(seams_note(places.seams));
-  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
-  keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // and none of the vertices beside them
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
+  keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // also drops vertices without triangles
   CollapseOptions collapse;
   collapse.error = options.error.value_or(kFirstError * bounds(mesh).diagonal());
   if (!options.error)
     collapse.triangles = options.triangles.value_or(index_in<std::size_t>(
-        std::round(options.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())), 4,
+        std::round(options.ratio.value_or(kDefaultRatio) * static_cast<double>(original.triangles.size())), 4,
         std::max<std::size_t>(4, original.triangles.size())));
   Simplified best = simplify_from(0, mesh, original, options, collapse, progress);
   const double by_shape = best.farthest();
@@ -152,27 +147,21 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kSimplifyReportRows[] = {
-    reported<&SimplifyReport::vertices>({.name = "input.vertices", .text = "Vertices of the original"}),
-    reported<&SimplifyReport::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
-    reported<&SimplifyReport::joined_vertices>({.text = "Vertices at the same place as another"}),
-    reported<[](const SimplifyReport& r) { return r.distance.to_reference; }>(
-        {.name = "to_original", .text = "Distances from what was made to the original"}),
-    reported<[](const SimplifyReport& r) { return r.distance.from_reference; }>(
-        {.name = "from_original", .text = "Distances from the original to what was made"}),
-    reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
-        {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
-    reported<&SimplifyReport::least_shape>({.text = "Least shape of the triangles made"}),
-    reported<&SimplifyReport::farthest_by_shape>(
-        {.text = "How far off the best shapes would be, where worse ones were taken", .unit = "length"})};
-
-}  // namespace
-
 const ReportSchema& SimplifyReport::schema() {
-  static constexpr ReportSchema schema{kSimplifyReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SimplifyReport::vertices>({.name = "input.vertices", .text = "Vertices of the original"}),
+      reported<&SimplifyReport::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
+      reported<&SimplifyReport::joined_vertices>({.text = "Vertices merged with a coincident one"}),
+      reported<[](const SimplifyReport& r) { return r.distance.to_reference; }>(
+          {.name = "to_original", .text = "Distances from the result to the original"}),
+      reported<[](const SimplifyReport& r) { return r.distance.from_reference; }>(
+          {.name = "from_original", .text = "Distances from the original to the result"}),
+      reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
+          {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
+      reported<&SimplifyReport::least_shape>({.text = "Least shape of new triangles"}),
+      reported<&SimplifyReport::farthest_by_shape>(
+          {.text = "Distance of the best shapes, if worse ones were used", .unit = "length"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SimplifyResult& made) {
@@ -187,8 +176,8 @@ std::vector<std::string> summary_of(const SimplifyResult& made) {
       titled("from original", distance_words(r.distance.from_reference, r.distance)),
       "(in brackets: % of the diagonal of the original's bounding box)"};
   if (r.farthest_by_shape)
-    lines.push_back("worse triangles than usual: as good ones as can be would be up to " +
-                    length_words(*r.farthest_by_shape) + " off");
+    lines.push_back("worse triangles than usual: the best shapes would be up to " + length_words(*r.farthest_by_shape) +
+                    " off");
   return lines;
 }
 

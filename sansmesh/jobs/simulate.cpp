@@ -1,4 +1,4 @@
-// A body of tetrahedra that moves by forces.
+// Simulation of a tetrahedral body.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMostBytes = 8e9;      ///< of frames in memory
-constexpr double kManyUnsettled = 0.1;  ///< of the steps
+constexpr double kMostBytes = 8e9;      ///< limit of frames in memory
+constexpr double kManyUnsettled = 0.1;  ///< share of the steps
 
 SoftBody body_of_plan(const SimulationPlan& plan) {
   TetMesh metres{plan.rest->vertices, plan.rest->tets, {}, {}};
@@ -34,32 +34,30 @@ void note_start(const SoftBody& body, std::vector<Note>& notes) {
   const std::size_t within = body.within_obstacles().size();
   if (within == 0) return;
   notes.push_back({.code = "within_obstacle",
-                   .text = fmt::format("{} within an obstacle: what is pushed out at once may be thrown",
-                                       within == 1 ? "1 vertex begins" : grouped(within) + " vertices begin"),
-                   .remedy = {}});
+                   .text = fmt::format("{} within an obstacle: they may be thrown out at high speed",
+                                       within == 1 ? "1 vertex starts" : grouped(within) + " vertices start")});
 }
 
 void note_steps(const SimulationPlan& plan, double stable, const SimulateReport& r, std::vector<Note>& notes) {
-  // What explodes says so itself.
+  // Explosions throw an error of their own.
   if (plan.options.step > stable)
     notes.push_back({.code = "unstable_step",
-                     .text = fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)",
-                                         plan.options.step, plan.options.integrator, stable),
-                     .remedy = {}});
+                     .text = fmt::format("steps of {:.3g} s exceed the stability limit of {} ({:.2g} s)",
+                                         plan.options.step, plan.options.integrator, stable)});
   if (r.halvings > 0)
     notes.push_back(
         {.code = "halved",
          .text = fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge",
                              grouped(r.halvings), r.shortest_step),
-         .remedy = "a smaller `longest_step`, or less `stiffness`, is quicker"});
+         .remedy = "a smaller `longest_step`, or less `stiffness`, is faster"});
   if (static_cast<double>(r.unsettled) > kManyUnsettled * static_cast<double>(r.steps))
     notes.push_back({.code = "unsettled",
                      .text = fmt::format("contacts were still changing at the end of {} of {} steps",
                                          grouped(r.unsettled), grouped(r.steps)),
-                     .remedy = "a smaller `longest_step` lets them settle"});
+                     .remedy = "reduce `longest_step`"});
 }
 
-/// All frames but the first, which is there.
+/// Computes all frames after the first.
 void move(SoftBody& body, const SimulationPlan& plan, bool moments, Motion& motion, SimulateReport& r,
           Progress& progress) {
   const double h = plan.frame_time / static_cast<double>(plan.frame_steps);
@@ -84,7 +82,7 @@ void move(SoftBody& body, const SimulationPlan& plan, bool moments, Motion& moti
 SimulateResult simulate_plan(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
   Motion motion(plan.rest, kept);
   if (const double bytes = motion.bytes(plan.frames); bytes > kMostBytes)
-    throw ArgumentError(fmt::format("{} frames of {} vertices are {:.1f} GB: fewer `frames`", grouped(plan.frames),
+    throw ArgumentError(fmt::format("{} frames of {} vertices need {:.1f} GB: use fewer `frames`", grouped(plan.frames),
                                     grouped(plan.rest->vertices.size()), 1e-9 * bytes));
   SimulateResult result;
   SimulateReport& r = result.report;
@@ -110,24 +108,18 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   return with_files(plan.body_file, plan.scene_file, [&] { return simulate_plan(plan, kept, moments, progress); });
 }
 
-namespace {
-
-constexpr ReportRow kSimulateReportRows[] = {
-    reported<&SimulateReport::steps>({.text = "Steps"}),
-    reported<&SimulateReport::iterations>({.text = "Iterations of conjugate gradients"}),
-    reported<&SimulateReport::halvings>({.text = "Times that a step was halved"}),
-    reported<&SimulateReport::unsettled>({.text = "Steps after which contacts would still change"}),
-    reported<&SimulateReport::shortest_step>({.text = "Shortest step", .unit = "s"}),
-    reported<&SimulateReport::most_contacts>({.text = "Most vertices that touched obstacles"}),
-    reported<&SimulateReport::seconds>({.text = "Time that it took", .unit = "s"}),
-    reported<&SimulateReport::first>({.name = "energies.first", .text = "Energies at first"}),
-    reported<&SimulateReport::last>({.name = "energies.last", .text = "Energies in the end"})};
-
-}  // namespace
-
 const ReportSchema& SimulateReport::schema() {
-  static constexpr ReportSchema schema{kSimulateReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SimulateReport::steps>({.text = "Steps"}),
+      reported<&SimulateReport::iterations>({.text = "Iterations of conjugate gradients"}),
+      reported<&SimulateReport::halvings>({.text = "Halvings of steps"}),
+      reported<&SimulateReport::unsettled>({.text = "Steps whose contacts would still change"}),
+      reported<&SimulateReport::shortest_step>({.text = "Shortest step", .unit = "s"}),
+      reported<&SimulateReport::most_contacts>({.text = "Most vertices in contact with obstacles"}),
+      reported<&SimulateReport::seconds>({.text = "Run time", .unit = "s"}),
+      reported<&SimulateReport::first>({.name = "energies.first", .text = "Initial energies"}),
+      reported<&SimulateReport::last>({.name = "energies.last", .text = "Final energies"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -156,12 +148,12 @@ std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateRe
                       grouped(plan.rest->vertices.size()), grouped(plan.rest->tets.size()),
                       grouped(plan.scene.fixed.size())),
           fmt::format("{} ({}), {}", word_of(options.model), material_words(options), options.integrator),
-          fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} a second){}", counted(r.steps, "step"), options.step,
-                      r.seconds, steps / std::max(r.seconds, 1e-9),
+          fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} per second){}", counted(r.steps, "step"),
+                      options.step, r.seconds, steps / std::max(r.seconds, 1e-9),
                       body_integrator(options.integrator).is_implicit
-                          ? fmt::format(", {:.1f} iterations a step", static_cast<double>(r.iterations) / steps)
+                          ? fmt::format(", {:.1f} iterations per step", static_cast<double>(r.iterations) / steps)
                           : ""),
-          fmt::format("energy {:.6g} J at first, {:.6g} J in the end (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",
+          fmt::format("energy {:.6g} J initially, {:.6g} J finally (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",
                       r.first.total(), r.last.total(), r.last.kinetic, r.last.elastic, r.last.gravity),
           fmt::format("{} of {:.4g} s", counted(plan.frames, "frame"), plan.frame_time)};
 }

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of the diagonal: more is not noise.
+/// Share of the diagonal above which a move is not noise.
 constexpr double kFarMove = 0.01;
 
 }  // namespace
@@ -25,17 +25,17 @@ SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& p
   if (r.shortened)
     result.notes.push_back(
         {.code = "shortened",
-         .text = fmt::format("waves of {} are longer than {} rounds take off: its edges are {} long on average",
+         .text = fmt::format("waves of {} are too long for {} rounds: its edges are {} long on average",
                              length_words(*options.shorter_than), grouped(static_cast<std::size_t>(r.iterations)),
-                             length_words(r.mean_edge)),
-         .remedy = {}});
+                             length_words(r.mean_edge))});
   const double diagonal = bounds(result.mesh).diagonal();
   if (diagonal > 0 && r.rms_move > kFarMove * diagonal)
     result.notes.push_back(
         {.code = "moved_far",
-         .text = fmt::format("moved by {:.1f} % of the diagonal, at most by {:.1f} %: edges of {} are too long to "
-                             "smooth away no shape",
-                             100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length_words(r.mean_edge)),
+         .text =
+             fmt::format("moved by {:.1f} % of the diagonal, at most by {:.1f} %: with edges of {}, smoothing removes "
+                         "shape as well",
+                         100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length_words(r.mean_edge)),
          .remedy = options.creases ? "" : "`iterations = 2`, `creases`, or more triangles"});
   return result;
 }
@@ -47,7 +47,7 @@ std::vector<std::string> summary_of(const SmoothReport& r) {
     size += fmt::format(", volume {:+.3f} %", change(std::abs(*r.volume_before), std::abs(*r.volume_after)));
   const std::string kept = r.crease_angle > 0 ? fmt::format(", creases of more than {:.0f}° kept", r.crease_angle) : "";
   return {fmt::format("{} vertices, edges {} long on average", grouped(r.vertices), length_words(r.mean_edge)),
-          fmt::format("moved by {} (root mean square), at most {}; {} at borders and edges of three triangles stayed",
+          fmt::format("moved by {} (root mean square), at most {}; {} at borders and nonmanifold edges did not move",
                       length_words(r.rms_move), length_words(r.largest_move), grouped(r.fixed)),
           std::move(size), counted(static_cast<std::size_t>(r.iterations), "round") + kept};
 }

@@ -19,10 +19,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Above this share of its area that bounds no solid a function is warned of.
+/// Share of the area that bounds no solid above which a function is reported.
 constexpr double kOpenShare = 0.01;
 
-/// Reads what an expression names, each file once.
+/// Reads the files of an expression, each once.
 class SolidReader {
  public:
   explicit SolidReader(Progress& progress) : progress_(progress) {}
@@ -41,11 +41,12 @@ class SolidReader {
     return is_function_file(name) ? function_solid(function(name)) : mesh(name, false);
   }
 
-  /// The exact distance, for offsets and shells.
+  /// Exact distance, for offsets and shells.
   Solid distance(const std::string& name) {
     if (parse_isosurface_name(name))
       throw ArgumentError(fmt::format(
-          "'{}': offsets and shells of isosurfaces need a function: mesh the isosurface, and fit one to that", name));
+          "'{}': offsets and shells of isosurfaces need a function: mesh the isosurface and fit one to the mesh",
+          name));
     return is_function_file(name) ? function_distance_solid(function(name), progress_) : mesh(name, true);
   }
 
@@ -61,7 +62,7 @@ class SolidReader {
     return known->second.shared();
   }
 
-  /// The exact distance to its faces; of offsets with their rounded edges.
+  /// Exact distance to the faces; `rounded`: offsets have rounded edges.
   Solid mesh(const std::string& name, bool rounded) {
     auto known = meshes_.find(name);
     const bool first = known == meshes_.end();
@@ -81,7 +82,7 @@ class SolidReader {
     ReadReport report;
     PointSet points = read_points(file, &report);
     if (points.triangles.empty())
-      throw FileError(file, "neither a function (.smf) nor a mesh: a function has to be fitted to the points first");
+      throw FileError(file, "neither a function (.smf) nor a mesh: fit a function to the points first");
     add_notes(notes, "read", report.warnings, file);
     return to_mesh(std::move(points));
   }
@@ -102,7 +103,7 @@ Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
 
 const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
 
-ComponentChoice SolidModel::usual_components() const {
+ComponentChoice SolidModel::default_components() const {
   return {parts_->functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1};
 }
 
@@ -115,10 +116,7 @@ std::vector<Note> SolidModel::open_notes() const {
   for (const auto& [name, function] : parts_->functions)
     if (is_open(function))
       found.push_back(
-          {.code = "open",
-           .text = "its surface bounds no solid: taken as all that lies behind it, as far as the box reaches",
-           .remedy = {},
-           .of = name});
+          {.code = "open", .text = "its surface bounds no solid: everything behind it in the box is used", .of = name});
   return found;
 }
 
@@ -137,16 +135,10 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
       {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
 }
 
-namespace {
-
-constexpr ReportRow kSolidModelRows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
-                                         reported<&SolidModel::files>({.text = "Files that it names"})};
-
-}  // namespace
-
 const ReportSchema& SolidModel::schema() {
-  static constexpr ReportSchema schema{kSolidModelRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
+                                       reported<&SolidModel::files>({.text = "Files in the expression"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

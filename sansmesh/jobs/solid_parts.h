@@ -1,4 +1,4 @@
-// Parts of a solid that was read from an expression.
+// Parts of a solid read from an expression.
 #pragma once
 
 #include <map>
@@ -15,15 +15,15 @@ namespace sansmesh::inline v1 {
 struct SolidParts {
   std::string expression;
   Solid solid;
-  std::vector<std::string> files = {};                    ///< that the expression names
-  std::map<std::string, SurfaceFunction> functions = {};  ///< those of them that are functions
+  std::vector<std::string> files = {};                    ///< files in the expression
+  std::map<std::string, SurfaceFunction> functions = {};  ///< the functions among them
   std::vector<Note> notes = {};
 
-  /// The function that is all of it; null of other solids.
+  /// The function, if the solid consists of it alone; otherwise null.
   const SurfaceFunction* whole_function() const;
 };
 
-/// Whether so much of a function's surface bounds no solid that a user should know.
+/// Whether enough of a function's surface bounds no solid to warrant a warning.
 bool is_open(const SurfaceFunction& function);
 
 }  // namespace sansmesh::inline v1

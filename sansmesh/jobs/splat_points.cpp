@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/image.h"
 #include "sansmesh/model/sample_surface.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t kFewestSplats = 20000, kMostSplats = 300000;
 constexpr float kMostStretch = 1.5f;
-/// Where a surface turns by so many radians from splat to splat, splats are stretched in full.
+/// Angle between normals of neighbouring splats, in radians, at which splats are stretched fully.
 constexpr float kFullyBent = 0.3f;
 
 }  // namespace
@@ -26,19 +27,15 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   points = resample_surface(model, count, {}, progress);
   if (points.size() == 0) throw DataError("no point of the surface was found");
   move_from_input(points, model.frame());
+  points.colors.clear();
   if (colors) {
-    std::vector<Vec3> x;
-    x.reserve(points.size());
-    for (const Vec3f& p : points.positions) x.push_back(points.origin + Vec3(p));
+    const std::vector<Vec3> x = world_points(points.origin, points.positions);
     std::vector<Vec3f> found(x.size());
     colors->evaluate(x, found);
-    points.colors.clear();
-    for (const Vec3f& c : found) points.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-  } else {
-    points.colors.clear();
+    for (const Vec3f& c : found) points.colors.push_back(to_bytes(c));
   }
   progress.begin("curvature");
-  // The points lie on the surface: there is no noise left.
+  // The points are on the surface, so they have no noise.
   const std::vector<PrincipalCurvatures> bends =
       estimate_curvatures(points, {.neighbours = 20, .noise = 0.0}, progress);
   const float spacing =

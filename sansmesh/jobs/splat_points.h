@@ -1,4 +1,4 @@
-// Points that are drawn as splats: spread evenly over a surface.
+// Evenly spread points on a surface, drawn as splats.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ struct SplatPoints {
   std::vector<SplatStretch> stretches;
 };
 
-/// About `count` points on the surface (0: as many as its samples, within what pictures can show), with `colors`,
-/// unless null; each longer along what is bent less.
+/// About `count` points on the surface (0: the number of samples, limited by the resolution of pictures), with `colors`
+/// unless null. Splats are longer along the direction of smaller curvature.
 SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const ColorField* colors, Progress& progress);
 
 }  // namespace sansmesh::inline v1

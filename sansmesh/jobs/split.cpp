@@ -17,7 +17,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSpacingsApart = 4;
-/// Of a few parts nobody wonders why they are so many.
+/// Number of parts below which no note on triangle soup is given.
 constexpr std::size_t kFewParts = 10;
 
 std::size_t large_enough(const std::vector<std::size_t>& sizes, const SplitOptions& options) {
@@ -25,20 +25,20 @@ std::size_t large_enough(const std::vector<std::size_t>& sizes, const SplitOptio
       std::count_if(sizes.begin(), sizes.end(), [&](std::size_t n) { return n >= options.min_size; }));
 }
 
-/// Throws DataError unless there are some parts, and not too many. `of`: "triangles".
+/// Throws DataError if there are no parts, or too many. `of`: "triangles".
 void check_parts(std::size_t parts, const SplitOptions& options, const std::string& of, SplitResult& result) {
   const std::string all = fmt::format("`split` finds {}", counted(result.found, "part"));
-  if (parts == 0) throw DataError(fmt::format("{}, none of them of {} {} or more", all, grouped(options.min_size), of));
+  if (parts == 0)
+    throw DataError(fmt::format("{}, none of them with {} {} or more", all, grouped(options.min_size), of));
   if (parts > options.most_parts)
     throw DataError(fmt::format("{}, more than {}: {}", all, grouped(options.most_parts),
                                 of == "triangles"
-                                    ? "`weld = 0` before joins what only touches, `min_size` leaves out small ones"
-                                    : "`split_distance` joins more, `min_size` leaves out small ones"));
+                                    ? "`weld = 0` before it joins coincident vertices, `min_size` drops small parts"
+                                    : "a larger `split_distance` joins more, `min_size` drops small parts"));
   if (parts < result.found)
     result.notes.push_back({.code = "small_parts",
-                            .text = fmt::format("{} of fewer than {} {} left out",
-                                                counted(result.found - parts, "part"), grouped(options.min_size), of),
-                            .remedy = {}});
+                            .text = fmt::format("{} of fewer than {} {} dropped", counted(result.found - parts, "part"),
+                                                grouped(options.min_size), of)});
 }
 
 SplitResult split_mesh(const TriangleMesh& mesh, const SplitOptions& options) {
@@ -51,17 +51,16 @@ SplitResult split_mesh(const TriangleMesh& mesh, const SplitOptions& options) {
   check_parts(parts, options, "triangles", result);
   if (parts > kFewParts && 2 * parts > mesh.triangles.size())
     result.notes.push_back({.code = "soup",
-                            .text = fmt::format("{} of {}: triangles that share no vertex are parts of their own",
+                            .text = fmt::format("{} of {}: triangles that share no vertex are separate parts",
                                                 counted(parts, "part"), counted(mesh.triangles.size(), "triangle")),
-                            .remedy = "`weld = 0` before `split` joins those that touch"});
+                            .remedy = "`weld = 0` before `split` joins coincident vertices"});
   std::vector<TriangleMesh> meshes = split_components(mesh, components);
   std::size_t vertices = 0;
   for (const TriangleMesh& m : meshes) vertices += m.vertices.size();
   if (vertices < mesh.vertices.size())
     result.notes.push_back(
         {.code = "loose_points",
-         .text = fmt::format("{} of no triangle left out", counted(mesh.vertices.size() - vertices, "point")),
-         .remedy = {}});
+         .text = fmt::format("{} without triangles dropped", counted(mesh.vertices.size() - vertices, "point"))});
   for (std::size_t c = 0; c < meshes.size(); ++c) {
     if (triangles[c] < options.min_size) continue;
     CloudOrMesh part{PointSet{}};
@@ -82,7 +81,7 @@ SplitResult split_cloud(const PointSet& points, const SplitOptions& options, Pro
   std::vector<std::vector<std::uint32_t>> rows(components.size());
   for (std::size_t i = 0; i < components.of_point.size(); ++i)
     rows[components.of_point[i]].push_back(static_cast<std::uint32_t>(i));
-  for (std::size_t c = 0; c < parts; ++c)  // those of fewer points come last
+  for (std::size_t c = 0; c < parts; ++c)  // sorted by size
     result.parts.emplace_back(take_samples(points, rows[c]));
   return result;
 }
@@ -92,13 +91,12 @@ SplitResult split_cloud(const PointSet& points, const SplitOptions& options, Pro
 const OptionSchema& SplitOptions::schema() {
   using O = SplitOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::split_distance>({.text = "Of clouds: points as close as this are connected",
+      option<&O::split_distance>({.text = "For clouds: points no farther apart than this are connected",
                                   .unit = "length",
                                   .from_data = "4 spacings",
                                   .range = positive()}),
-      option<&O::min_size>({.text = "Leave out parts of fewer triangles (or points)", .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+      option<&O::min_size>({.text = "Drop parts of fewer triangles (or points)", .range = at_least(0)})};
+  return option_schema<rows>();
 }
 
 void SplitOptions::validate() const { validate_options(*this); }
@@ -109,18 +107,13 @@ SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress
   return data.is_mesh ? split_mesh(data.mesh, options) : split_cloud(data.points, options, progress);
 }
 
-namespace {
-
-constexpr ReportRow kSplitResultRows[] = {
-    reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, those that were left out among them"}),
-    reported<&SplitResult::distance>(
-        {.name = "parts.distance", .text = "Points as close as this are connected, of clouds", .unit = "length"})};
-
-}  // namespace
-
 const ReportSchema& SplitResult::schema() {
-  static constexpr ReportSchema schema{kSplitResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, dropped ones included"}),
+      reported<&SplitResult::distance>({.name = "parts.distance",
+                                        .text = "For clouds: points no farther apart than this are connected",
+                                        .unit = "length"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SplitResult& made) {

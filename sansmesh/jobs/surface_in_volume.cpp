@@ -1,4 +1,4 @@
-// Surfaces straight from the samples of a volume.
+// Surfaces computed directly from the samples of a volume.
 #include <fmt/core.h>
 
 #include <memory>
@@ -7,7 +7,7 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/dataset/volume_surface.h"
+#include "sansmesh/dataset/mesh_volume_surface.h"
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -18,7 +18,7 @@ namespace {
 
 using Kind = VolumeSurfaceOptions::Kind;
 
-/// One a sample, finite: of a component, or lengths of vectors.
+/// One finite value per sample: of a component, or lengths of vectors.
 std::vector<double> scalar_values(const SampledVolume& samples, const ArrayChoice& choice) {
   const VolumeValues all = volume_values(samples, choice.array);
   if (all.components == 1) return all.values;
@@ -30,19 +30,19 @@ std::vector<double> scalar_values(const SampledVolume& samples, const ArrayChoic
   return values;
 }
 
-/// The standard deviation of noise: what parabolas through the samples around leave, where planes leave as much.
+/// Standard deviation of noise: the residual of local parabolas, if that of planes is no larger; 0 for resolved
+/// volumes.
 double noise_of_values(const VolumeTraits& traits) { return traits.resolved() ? 0 : traits.noise * traits.range; }
 
 }  // namespace
 
 const OptionSchema& SurfaceInVolumeOptions::schema() {
   using O = SurfaceInVolumeOptions;
-  static const OptionRow rows[] = {option<&O::value>({.text = "Isosurface of this value",
-                                                      .from_data = "the middle of the array's range",
-                                                      .excludes = "high_gradient"}),
-                                   option_group<&O::surface>(VolumeSurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  static const OptionRow rows[] = {
+      option<&O::value>(
+          {.text = "Isovalue", .from_data = "the middle of the array's range", .excludes = "high_gradient"}),
+      option_group<&O::surface>(VolumeSurfaceOptions::schema().rows)};
+  return option_schema<rows>();
 }
 
 void SurfaceInVolumeOptions::validate() const {
@@ -80,9 +80,9 @@ const OptionSchema& MeshInVolumeOptions::schema() {
           {.text = "Accepted mean distance between mesh and surface", .unit = "length", .range = positive()}),
       option<&O::triangles>({.text = "At most this many triangles", .range = at_least(4)}),
       option<&O::components>(
-          {.text = "Parts to keep: auto (all that the weights can tell), all, largest or a number", .unit = "choice"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+          {.text = "Components to keep: auto (all that the weights resolve), all, largest or a number",
+           .unit = "choice"})};
+  return option_schema<rows>();
 }
 
 void MeshInVolumeOptions::validate() const { validate_options(*this); }
@@ -107,21 +107,15 @@ PointSet points_of_surface(const SurfaceInVolume& surface, std::optional<double>
   return with_name(surface.name, [&] { return sample_volume_surface(*surface.surface, distance, progress); });
 }
 
-namespace {
-
-constexpr ReportRow kMeshInVolumeReportRows[] = {
-    reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
-    reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
-    reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
-        {.name = "components", .text = "Connected parts of the mesh"}),
-    reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
-        {.name = "closed", .text = "Whether the mesh is closed"})};
-
-}  // namespace
-
 const ReportSchema& MeshInVolumeReport::schema() {
-  static constexpr ReportSchema schema{kMeshInVolumeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+      reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, if it is closed", .unit = "length³"}),
+      reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
+          {.name = "components", .text = "Connected components of the mesh"}),
+      reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
+          {.name = "closed", .text = "Whether the mesh is closed"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -146,20 +140,14 @@ std::vector<std::string> summary_of(const SurfaceInVolume& s, const VolumeModel&
                                        : std::string())};
 }
 
-namespace {
-
-constexpr ReportRow kSurfaceInVolumeRows[] = {
-    reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
-        {.name = "value", .text = "Value of the surface", .unit = "unit of the array"}),
-    reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface, and the samples that it follows from"}),
-    reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
-        {.name = "surface.kind", .text = "Kind of the surface"})};
-
-}  // namespace
-
 const ReportSchema& SurfaceInVolume::schema() {
-  static constexpr ReportSchema schema{kSurfaceInVolumeRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const SurfaceInVolume& r) { return value_if(!is_steep(r), r.value); }>(
+          {.name = "value", .text = "Isovalue", .unit = "unit of the array"}),
+      reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface and its samples"}),
+      reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
+          {.name = "surface.kind", .text = "Kind of the surface"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

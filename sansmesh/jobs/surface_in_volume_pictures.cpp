@@ -8,7 +8,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/annotate/picture_notes.h"
 #include "sansmesh/render/surface/surface_caster.h"
@@ -25,7 +25,7 @@ namespace {
 /// Colours by another array of the volume; positions in coordinates of the surface.
 class ArrayColors : public ColorField {
  public:
-  /// The colours span what the array has at the places `seen`.
+  /// The colours span the range of the array at the points `seen`.
   ArrayColors(std::shared_ptr<const VolumeField> field, const LocalFrame& frame, std::span<const Vec3> seen)
       : field_(std::move(field)), frame_(frame) {
     const std::vector<double> there = values(seen);
@@ -69,20 +69,19 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
   using O = SurfaceInVolumeLook;
   static constexpr OptionRow rows[] = {
       option<&O::color_by>({.text = "Array of the volume, or curvature: mean, gaussian, k1, k2", .unit = "name"}),
-      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+      option<&O::color_range>({.text = "Curvature with the full colour, 1/length or, for gaussian, 1/length²",
                                .unit = "value",
                                .from_data = "from data",
                                .range = positive(),
                                .needs = "color_by"}),
-      option<&O::sharp>({.text = "Normals turn sharply at edges and corners"}),
-      option<&O::quick>({.text = "One ray a pixel, no shadows"}),
+      option<&O::sharp>({.text = "Draw sharp edges and corners"}),
+      option<&O::quick>({.text = "Use one ray per pixel and no shadows"}),
       option<&O::frames>(kTurntable),
-      option<&O::bar>({.text = "Without the colour bar", .needs = "color_by"}),
-      option<&O::unit>({.text = "Of the array, or of lengths in curvatures, at the colour bar",
+      option<&O::bar>({.text = "Omit the colour bar", .needs = "color_by"}),
+      option<&O::unit>({.text = "Unit at the colour bar: of the array, or of lengths in curvatures",
                         .unit = "unit",
                         .needs = "color_by"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 std::optional<CurvatureQuantity> SurfaceInVolumeLook::curvature() const {
@@ -106,7 +105,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
   PointSet points;
   if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
-    // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
+    // Curvatures of the input (1/length or 1/length²) in coordinates of the surface.
     const double unit = *quantity == CurvatureQuantity::gaussian ? frame.unit * frame.unit : frame.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
@@ -148,7 +147,7 @@ CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->coun
 
 namespace {
 
-/// The colour bar beside the pictures.
+/// Colour bar beside the pictures.
 std::optional<ColorBar> bar_beside(const SurfaceInVolumeLook& look, const std::optional<ShownColors>& shown) {
   if (!shown || !look.bar) return std::nullopt;
   if (shown->curvature) return curvature_bar(*shown->curvature, shown->range, look.unit, true);
@@ -168,30 +167,23 @@ DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, cons
   const SurfaceInVolumePictures pictures(surface, volume, look, progress, drawn.notes);
   drawn.colors = pictures.colors();
   const std::optional<ColorBar> bar = bar_beside(look, drawn.colors);
-  leave_room(options.picture, bar);
-  std::size_t frame = 0;
-  for (const ViewDirection& view : turntable(picture.view.direction, look.frames.value_or(1))) {
-    options.picture.view.direction = view;
-    use(frame++, beside_bar(pictures.render(options, progress), bar, options.picture), options.picture);
-  }
+  reserve_width(options.picture, bar);
+  draw_turntable(options.picture, look.frames, use, [&](const RenderOptions& one) {
+    options.picture = one;
+    return beside_bar(pictures.render(options, progress), bar, one);
+  });
   drawn.rays = pictures.counts();
   return drawn;
 }
 
-namespace {
-
-constexpr ReportRow kShownColorsRows[] = {
-    reported<&ShownColors::array>({.text = "Array that the colours show"}),
-    reported<[](const ShownColors& r) { return r.colors.range().first; }>(
-        {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
-    reported<[](const ShownColors& r) { return r.colors.range().second; }>(
-        {.name = "upper", .text = "Value of the last colour", .unit = "unit of the array"})};
-
-}  // namespace
-
 const ReportSchema& ShownColors::schema() {
-  static constexpr ReportSchema schema{kShownColorsRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ShownColors::array>({.text = "Array shown by colours"}),
+      reported<[](const ShownColors& r) { return r.colors.range().first; }>(
+          {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
+      reported<[](const ShownColors& r) { return r.colors.range().second; }>(
+          {.name = "upper", .text = "Value of the last colour", .unit = "unit of the array"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Advice on a volume.
+// Advice on volumes.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The vectors of a flow: the array that is looked at, if they are that, else the first.
+/// Vector array for flows: the selected array if it has vectors, otherwise the first.
 const DatasetArray* flow_array(const VolumeDataset& dataset, const std::string& looked_at) {
   const DatasetArray* found = nullptr;
   for (const DatasetArray& a : dataset.arrays()) {
@@ -23,8 +23,7 @@ const DatasetArray* flow_array(const VolumeDataset& dataset, const std::string& 
   return found;
 }
 
-/// Along the longer of the two axes that the flow does not follow. Where it follows none it is as good as any other
-/// line.
+/// Seed line along the longer of the two axes perpendicular to the main flow.
 std::array<Vec3, 2> line_across(const SampledVolume& volume, const DatasetArray& flow) {
   const Box3 box = volume.bounds();
   const Vec3 size = box.size(), middle = box.center();
@@ -35,7 +34,7 @@ std::array<Vec3, 2> line_across(const SampledVolume& volume, const DatasetArray&
   for (std::size_t c = 0; c < 3; ++c)
     if (c != along && size[c] > size[across]) across = c;
   std::array<Vec3, 2> ends{middle, middle};
-  // A twentieth inside: at the very border there is often no flow, or none that leads in.
+  // Leaves a margin of 5 %: at the boundary there is often no flow, or none into the volume.
   ends[0][across] = box.lower[across] + 0.05 * size[across];
   ends[1][across] = box.upper[across] - 0.05 * size[across];
   return ends;
@@ -57,12 +56,12 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
   VolumeOffer& offer = advice.offer;
   offer.values = !dataset.arrays().empty();
   offer.steps = std::max<std::size_t>(dataset.times().size(), 1);
-  // Cells of lattices and of bodies of fluid are no bodies; unstructured ones may be.
+  // Only unstructured cells may be an elastic body.
   offer.body = samples->facts.unstructured;
   offer.lattice = samples->lattice.has_value();
   if (!offer.values && !offer.body)
     with_name(volume.name(),
-              [] { throw DataError("holds no arrays, and no cells that could move: there is nothing to advise"); });
+              [] { throw DataError("has no arrays, and no cells of a body: there is nothing to advise"); });
   if (offer.values) {
     const DatasetArray& of = volume.array();
     const bool vector = of.components > 1 && !volume.choice().component;
@@ -75,7 +74,7 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
       advice.seeds = line_across(*samples, *vectors);
     }
     offer.traits = volume.traits(progress);
-    offer.suited = volume.suited(progress);
+    offer.recommended = volume.recommended(progress);
   }
   advice.recommendations = advise_volume(offer);
   return advice;
@@ -96,44 +95,39 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
                         facts.grid)};
   return {fmt::format("{} of {} ({}{})", counted(t.samples, "sample"), advice.array, facts.grid,
                       offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""),
-          fmt::format("  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
-                      "parabolas, {} by cubics",
-                      share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
-                      share_words(t.left_out[3])),
+          fmt::format(
+              "  error of predicting a sample from its neighbours: {} of the range by the mean, {} by planes, {} by "
+              "parabolas, {} by cubics",
+              share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
+              share_words(t.left_out[3])),
           fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
                       share_words(t.steps)),
-          titled("reconstruction", fmt::format("{}, since it is {}", offer.suited.method, offer.suited.why))};
+          titled("reconstruction", fmt::format("{}, since it is {}", offer.recommended.method, offer.recommended.why))};
 }
 
-namespace {
-
-constexpr ReportRow kVolumeAdviceRows[] = {
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.array); }>(
-        {.name = "array", .text = "Array that was looked at"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.samples); }>(
-        {.name = "samples", .text = "Samples that were looked at"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out); }>(
-        {.name = "left_out",
-         .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
-         .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out_rms); }>(
-        {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.noise); }>(
-        {.name = "noise", .text = "Noise is no more than this", .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.steps); }>(
-        {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
-        {.name = "resolved", .text = "Whether samples are dense enough for what they show"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
-        {.name = "method", .text = "Method that suits it"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
-        {.name = "why", .text = "Reason for that"})};
-
-}  // namespace
-
 const ReportSchema& VolumeAdvice::schema() {
-  static constexpr ReportSchema schema{kVolumeAdviceRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.array); }>(
+          {.name = "array", .text = "Selected array"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.samples); }>(
+          {.name = "samples", .text = "Samples of the array"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.left_out); }>(
+          {.name = "left_out",
+           .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
+           .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.left_out_rms); }>(
+          {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.noise); }>(
+          {.name = "noise", .text = "Upper bound of the noise", .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.steps); }>(
+          {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.resolved()); }>(
+          {.name = "resolved", .text = "Whether the samples resolve the quantity"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, std::string(r.offer.recommended.method)); }>(
+          {.name = "method", .text = "Recommended method"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.recommended.why); }>(
+          {.name = "why", .text = "Reason for the method"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

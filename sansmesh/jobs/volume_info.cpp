@@ -1,4 +1,4 @@
-// Contents of a file of a volume.
+// Contents of volume files.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 AttributeInfo array_info(const DatasetArray& array) {
   AttributeInfo info{array.name, array.of == Association::points ? "point" : "cell", array.type, {}, array.not_finite};
   for (std::size_t c = 0; c < array.components; ++c)
-    info.ranges.push_back(told_if(!std::isnan(array.least[c]), std::pair(array.least[c], array.most[c])));
+    info.ranges.push_back(value_if(!std::isnan(array.least[c]), std::pair(array.least[c], array.most[c])));
   return info;
 }
 
@@ -35,101 +35,95 @@ VolumeInfo contents_of(const VolumeModel& volume, Progress& progress) {
   return info;
 }
 
-constexpr ReportRow kHeldReconstructionRows[] = {
-    reported<[](const HeldReconstruction& r) { return printable(r.array); }>({.name = "array", .text = "Array"}),
-    reported<[](const HeldReconstruction& r) { return r.options.method; }>({.name = "method", .text = "Method"}),
-    reported<[](const HeldReconstruction& r) { return r.options.degree; }>(
-        {.name = "degree", .text = "Highest degree of polynomials"}),
-    reported<[](const HeldReconstruction& r) { return r.options.radius; }>(
-        {.name = "radius", .text = "Radius of supports", .unit = "spacings"}),
-    reported<[](const HeldReconstruction& r) { return r.options.epsilon; }>(
-        {.name = "epsilon", .text = "Shape parameter of the functions, small is smooth"}),
-    reported<[](const HeldReconstruction& r) { return r.options.order; }>({.name = "order", .text = "Order"}),
-    reported<[](const HeldReconstruction& r) { return r.options.iterations; }>(
-        {.name = "iterations", .text = "Times that residuals are added"}),
-    reported<[](const HeldReconstruction& r) { return r.options.spherical.value_or(false); }>(
-        {.name = "spherical", .text = "Whether supports are balls"}),
-    reported<&HeldReconstruction::by_degree>({.text = "Polynomials of each degree"})};
-
-/// A field of the facts.
+/// Row for a member of VolumeFacts.
 template <auto member>
 constexpr ReportRow fact(const ReportFacts& facts) {
   return reported<[](const VolumeInfo& r) { return r.facts.*member; }>(facts);
 }
 
 using F = VolumeFacts;
-constexpr ReportRow kVolumeInfoRows[] = {
-    reported<&VolumeInfo::format>({.text = "Format of the file"}),
-    fact<&F::grid>({.name = "grid", .text = "Grid, in words"}),
-    fact<&F::blocks>({.name = "blocks", .text = "Blocks"}),
-    fact<&F::levels>({.name = "levels", .text = "Levels of refinement"}),
-    fact<&F::points>({.name = "points", .text = "Points of the file"}),
-    fact<&F::cells>({.name = "cells", .text = "Cells of the file"}),
-    reported<&VolumeInfo::samples>({.text = "Samples"}),
-    reported<[](const VolumeInfo& r) { return r.in_cells ? "cells" : "points"; }>(
-        {.name = "values_of", .text = "What values are of: points or cells"}),
-    reported<[](const VolumeInfo& r) { return r.box.lower; }>(
-        {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
-    reported<[](const VolumeInfo& r) { return r.box.upper; }>(
-        {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
-    fact<&F::least_spacing>(
-        {.name = "spacing.least", .text = "Least distance of neighbouring samples", .unit = "length"}),
-    fact<&F::median_spacing>(
-        {.name = "spacing.median", .text = "Median distance of neighbouring samples", .unit = "length"}),
-    fact<&F::most_spacing>(
-        {.name = "spacing.most", .text = "Largest distance of neighbouring samples", .unit = "length"}),
-    fact<&F::aspect>({.name = "aspect", .text = "Largest ratio of longest to shortest edge of a cell"}),
-    fact<&F::parts>({.name = "parts", .text = "Parts that are not connected"}),
-    fact<&F::merged>({.name = "merged", .text = "Points at the place of another"}),
-    fact<&F::hidden>({.name = "hidden", .text = "Points or cells that are blanked, covered or ghosts"}),
-    fact<&F::overlapped>({.name = "overlapped", .text = "Samples left out where a finer block is"}),
-    fact<&F::degenerate>({.name = "degenerate", .text = "Cells without volume"}),
-    fact<&F::inverted>({.name = "inverted", .text = "Cells that were inside out and were turned"}),
-    fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
-    fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
-    reported<&VolumeInfo::arrays>({.text = "Arrays"}),
-    reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction that a fitted volume holds"}),
-    reported<&VolumeInfo::times>({.text = "Times of the steps"}),
-    reported<&VolumeInfo::file_notes>({.name = "notes", .text = "What there is to know of how the file was read"})};
 
 }  // namespace
 
 const ReportSchema& HeldReconstruction::schema() {
-  static constexpr ReportSchema schema{kHeldReconstructionRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const HeldReconstruction& r) { return printable(r.array); }>({.name = "array", .text = "Array"}),
+      reported<[](const HeldReconstruction& r) { return r.options.method; }>({.name = "method", .text = "Method"}),
+      reported<[](const HeldReconstruction& r) { return r.options.degree; }>(
+          {.name = "degree", .text = "Highest degree of polynomials"}),
+      reported<[](const HeldReconstruction& r) { return r.options.radius; }>(
+          {.name = "radius", .text = "Radius of supports", .unit = "spacings"}),
+      reported<[](const HeldReconstruction& r) { return r.options.epsilon; }>(
+          {.name = "epsilon", .text = "Shape parameter of the functions, small is smooth"}),
+      reported<[](const HeldReconstruction& r) { return r.options.order; }>({.name = "order", .text = "Order"}),
+      reported<[](const HeldReconstruction& r) { return r.options.iterations; }>(
+          {.name = "iterations", .text = "Corrections by residuals"}),
+      reported<[](const HeldReconstruction& r) { return r.options.spherical.value_or(false); }>(
+          {.name = "spherical", .text = "Whether supports are balls"}),
+      reported<&HeldReconstruction::by_degree>({.text = "Polynomials of each degree"})};
+  return report_schema<rows>();
 }
 
 const ReportSchema& VolumeInfo::schema() {
-  static constexpr ReportSchema schema{kVolumeInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeInfo::format>({.text = "Format of the file"}),
+      fact<&F::grid>({.name = "grid", .text = "Description of the grid"}),
+      fact<&F::blocks>({.name = "blocks", .text = "Blocks"}),
+      fact<&F::levels>({.name = "levels", .text = "Levels of refinement"}),
+      fact<&F::points>({.name = "points", .text = "Points of the file"}),
+      fact<&F::cells>({.name = "cells", .text = "Cells of the file"}),
+      reported<&VolumeInfo::samples>({.text = "Samples"}),
+      reported<[](const VolumeInfo& r) { return r.in_cells ? "cells" : "points"; }>(
+          {.name = "values_of", .text = "Location of the values: points or cells"}),
+      reported<[](const VolumeInfo& r) { return r.box.lower; }>(
+          {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
+      reported<[](const VolumeInfo& r) { return r.box.upper; }>(
+          {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
+      fact<&F::least_spacing>(
+          {.name = "spacing.least", .text = "Least distance between neighbouring samples", .unit = "length"}),
+      fact<&F::median_spacing>(
+          {.name = "spacing.median", .text = "Median distance between neighbouring samples", .unit = "length"}),
+      fact<&F::most_spacing>(
+          {.name = "spacing.most", .text = "Largest distance between neighbouring samples", .unit = "length"}),
+      fact<&F::aspect>({.name = "aspect", .text = "Largest ratio of longest to shortest edge of a cell"}),
+      fact<&F::parts>({.name = "parts", .text = "Number of connected components"}),
+      fact<&F::merged>({.name = "merged", .text = "Points that coincide with another"}),
+      fact<&F::hidden>({.name = "hidden", .text = "Blanked, covered and ghost points or cells"}),
+      fact<&F::overlapped>({.name = "overlapped", .text = "Samples dropped where a finer block is"}),
+      fact<&F::degenerate>({.name = "degenerate", .text = "Cells without volume"}),
+      fact<&F::inverted>({.name = "inverted", .text = "Inverted cells that were reoriented"}),
+      fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
+      fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
+      reported<&VolumeInfo::arrays>({.text = "Arrays"}),
+      reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
+      reported<&VolumeInfo::times>({.text = "Times of the steps"}),
+      reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};
+  return report_schema<rows>();
 }
 
 VolumeInfo volume_info(const VolumeModel& volume, Progress& progress) {
   VolumeInfo info = contents_of(volume, progress);
   const VolumeFacts& f = info.facts;
   const auto note = [&](const char* code, std::string text) {
-    info.notes.push_back({.code = code,
-                          .text = std::move(text),
-                          .remedy = {},
-                          .severity = Note::Severity::information,
-                          .of = volume.name()});
+    info.notes.push_back(
+        {.code = code, .text = std::move(text), .severity = Note::Severity::information, .of = volume.name()});
   };
   const auto add = [&](const char* code, std::size_t n, const char* what, const char* text) {
     if (n > 0) note(code, fmt::format("{} {}", counted(n, what), text));
   };
-  add("merged", f.merged, "point", "at the place of another: one sample each place");
-  add("not_finite", f.not_finite, "point", "without finite coordinates left out");
+  add("merged", f.merged, "point", "coincident with another: merged");
+  add("not_finite", f.not_finite, "point", "without finite coordinates dropped");
   add("hidden", f.hidden, "point", "or cells hidden (blanked, covered by finer levels, ghosts)");
-  add("overlapped", f.overlapped, "sample", "left out since a finer block covers their place");
-  add("degenerate", f.degenerate, "cell", "without volume or with corners that coincide");
-  add("inverted", f.inverted, "cell", "inside out, turned");
-  if (f.layer > 0) note("layer", fmt::format("a single layer, taken as a slab {} thick", length_words(f.layer)));
+  add("overlapped", f.overlapped, "sample", "dropped under a finer block");
+  add("degenerate", f.degenerate, "cell", "without volume or with coincident corners");
+  add("inverted", f.inverted, "cell", "inverted, reoriented");
+  if (f.layer > 0) note("layer", fmt::format("a single layer, treated as a slab {} thick", length_words(f.layer)));
   return info;
 }
 
 namespace {
 
-/// The reconstruction that a fitted volume holds.
+/// Lines about the reconstruction stored in a fitted volume.
 void add_fitted(const HeldReconstruction& fitted, std::vector<std::string>& lines) {
   const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
   const ReconstructionOptions& o = fitted.options;
@@ -162,8 +156,8 @@ std::vector<std::string> summary_of(const VolumeInfo& made) {
   line("spacing",
        fmt::format("{} to {}, median {}; cells up to {:.3g} times as long as wide", length_words(f.least_spacing),
                    length_words(f.most_spacing), length_words(f.median_spacing), f.aspect));
-  if (f.parts > 1) line("parts", fmt::format("{} that are not connected", grouped(f.parts)));
-  for (const Note& note : made.notes) line("mended", note.text);
+  if (f.parts > 1) line("parts", fmt::format("{} connected components", grouped(f.parts)));
+  for (const Note& note : made.notes) line("repaired", note.text);
   if (!made.times.empty())
     line("times", fmt::format("{}, from {:.6g} to {:.6g}", counted(made.times.size(), "step"), made.times.front(),
                               made.times.back()));

@@ -5,7 +5,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/edit/tubes.h"
@@ -19,8 +19,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
-PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
+/// Outer edges of the grid's cells, about 1.5 pixels wide; thinner for small cells.
+SceneFactory grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
   own.look.surface_color = options.look.wire_color;
   TubeOptions tube;
@@ -28,8 +28,8 @@ PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& opt
   const double seen =
       options.view.look_radius ? 2 * *options.view.look_radius : samples.bounds().diagonal() / options.view.zoom;
   tube.radius = 0.75 * seen / std::min(options.view.width, options.view.height);
-  // Lines that leave nothing between them would hide the volume: they may cover a share of its sides, about those of
-  // its box.
+  // Dense lines would hide the volume, so they may cover only a share of its sides, whose area is estimated from the
+  // box.
   constexpr double kCovered = 0.3;
   const PolylineSet lines = boundary_edges(samples);
   const Vec3 size = samples.bounds().size();
@@ -38,7 +38,7 @@ PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& opt
   for (std::size_t i = 0; i < lines.size(); ++i)
     length += norm(Vec3(lines.positions[lines.offsets[i] + 1] - lines.positions[lines.offsets[i]]));
   if (length > 0) tube.radius = std::min(tube.radius, kCovered * sides / (2 * length));
-  return surface_in_picture(tubes(lines, tube), own);
+  return scene_factory(tubes(lines, tube), own);
 }
 
 }  // namespace
@@ -53,38 +53,37 @@ struct VolumePictures::State {
   std::unique_ptr<VolumePicture> picture;
   VolumePictureReport report;
   std::vector<Note> notes;
-  int frames = 1;
+  std::optional<int> frames;
 };
 
 const OptionSchema& VolumePicturesOptions::schema() {
   using O = VolumePicturesOptions;
   static const OptionRow rows[] = {
-      option<&O::opacity_by>({.text = "Array for the opacity, the other one then gives the colours", .unit = "name"}),
+      option<&O::opacity_by>({.text = "Array for the opacity; colours show the selected array", .unit = "name"}),
       option_group<&O::look>(VolumePictureOptions::schema().rows),
-      option<&O::grid>({.text = "Also the edges of the grid's cells where the volume ends; with an opacity of 0 these "
-                                "alone"}),
+      option<&O::grid>({.text = "Draw cell edges on the boundary of the volume; with an opacity of 0 only "
+                                "these"}),
       option<&O::baked>(
-          {.text = "Quick: from the field baked into bricks, whose error is reported", .old_name = "interactive"}),
-      option<&O::bake_error>({.text = "Of `baked`: error above which bricks are split, share of the range",
+          {.text = "Quick: render the field baked into bricks, and report the error", .old_name = "interactive"}),
+      option<&O::bake_error>({.text = "For `baked`: error above which bricks are split, share of the range",
                               .unit = "share",
                               .range = positive(1),
                               .needs = "baked"}),
-      option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of the array, at the colour bar"}),
+      option<&O::bar>({.text = "Omit the colour bar"}),
+      option<&O::unit>({.text = "Unit of the array at the colour bar"}),
       option<&O::frames>(kTurntable)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumePicturesOptions::validate() const {
   validate_options(*this);
   look.validate();
   if (!bar && (!look.color_title.empty() || !unit.empty()))
-    throw ArgumentError("`label` and `unit` stand at the colour bar: not with `bar = false`");
+    throw ArgumentError("`label` and `unit` are for the colour bar: not with `bar = false`");
 }
 
 VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
-                               std::vector<PictureSurface> surfaces, Progress& progress)
+                               std::vector<SceneFactory> surfaces, Progress& progress)
     : state_(std::make_unique<State>()) {
   options.validate();
   State& s = *state_;
@@ -92,7 +91,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   s.look = options.look;
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar, look.picture.view.steady = options.frames.has_value();
-  s.frames = options.frames.value_or(1);
+  s.frames = options.frames;
   if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
@@ -103,7 +102,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   if (options.baked) {
     BakeOptions bake;
     bake.tolerance = options.bake_error;
-    bake.places = s.samples->positions;
+    bake.samples = s.samples->positions;
     progress.begin("bake");
     const auto baked = [&](const VolumeField& field) {
       return with_name(volume.name(), [&] { return std::make_unique<BakedVolume>(field, bake, progress); });
@@ -122,7 +121,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
   s.picture = with_name(volume.name(), [&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
-  if (look.color_bar) leave_room(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
+  if (look.color_bar) reserve_width(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 
 VolumePictures::~VolumePictures() = default;
@@ -137,12 +136,8 @@ Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
 }
 
 void VolumePictures::render(const UsePicture& use, Progress& progress) {
-  RenderOptions made_with = look().picture;
-  std::size_t frame = 0;
-  for (const ViewDirection& view : turntable(made_with.view.direction, state_->frames)) {
-    made_with.view.direction = view;
-    use(frame++, render(view, progress), made_with);
-  }
+  draw_turntable(look().picture, state_->frames, use,
+                 [&](const RenderOptions& one) { return render(one.view.direction, progress); });
 }
 
 const VolumePictureReport& VolumePictures::report() const { return state_->report; }

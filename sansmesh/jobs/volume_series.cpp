@@ -22,8 +22,8 @@ void add_step(VolumeSeries& series, VolumeModel step) {
 std::vector<double> times_of_series(const std::vector<double>& given, std::size_t files) {
   if (given.size() == files) return given;
   if (!given.empty() && given.size() != 2)
-    throw ArgumentError(
-        fmt::format("`times` has {} numbers for {} files: as many, or the first and the step", given.size(), files));
+    throw ArgumentError(fmt::format(
+        "`times` has {} numbers for {} files: give one per file, or the first and the interval", given.size(), files));
   const double from = given.empty() ? 0 : given[0], step = given.empty() ? 1 : given[1];
   std::vector<double> times(files);
   for (std::size_t i = 0; i < files; ++i) times[i] = from + step * static_cast<double>(i);
@@ -35,7 +35,7 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
   const bool several = files.size() > 1;
   check_argument(times.empty() || several, "`times` needs several files");
   check_argument(several || options.read.time_step == 0,
-                 "`time_step`: of a volume that changes in time all steps are taken");
+                 "`time_step`: all steps of a volume that changes in time are used");
   for (const std::string& file : files)
     if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
   VolumeSeries series;
@@ -46,10 +46,9 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
     VolumeModel& first = series.steps[0];
     first.check_scalar();
     series.times = several ? times_of_series(times, files.size()) : first.times();
-    if (series.times.size() < 2)
-      throw DataError(printable(series.name, 200) + ": holds one step in time: nothing changes");
+    if (series.times.size() < 2) throw DataError(printable(series.name, 200) + ": has only one step in time");
     if (others.array.empty()) others.array = first.choice().array;
-    std::vector<Note> with_the_field;  // its notes come with the field, which is kept
+    std::vector<Note> with_the_field;  // the field keeps its notes
     first.field(progress, with_the_field);
     others.reconstruction = first.report().options;
   }
@@ -63,8 +62,7 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
 const ReportSchema& VolumeSeries::schema() {
   static constexpr ReportRow rows[] = {
       reported<[](const VolumeSeries& r) { return r.steps.size(); }>({.name = "steps", .text = "Steps in time"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

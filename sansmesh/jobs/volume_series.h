@@ -1,4 +1,4 @@
-// Moments of files that are the steps of a volume.
+// Times of files that are the steps of a volume.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// When so many files are: `given` of each, or the first and the step; 0, 1, 2, … if nothing was given. Throws
-/// ArgumentError for other numbers of times.
+/// Times of the files: `given` holds all of them, or the first and the interval; default 0, 1, 2, …. Throws
+/// ArgumentError for other counts.
 std::vector<double> times_of_series(const std::vector<double>& given, std::size_t files);
 
 }  // namespace sansmesh::inline v1

@@ -22,17 +22,17 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Whatever says how a file is read has been heeded when it was fitted.
+/// Options of reading were applied when the volume was fitted.
 FittedVolume read_fitted(const std::vector<std::string>& files, const VolumeReadOptions& read) {
-  if (files.size() > 1) throw FileError(volume_name(files), "a fitted volume (.smv) is whole: it is read on its own");
+  if (files.size() > 1) throw FileError(volume_name(files), "a fitted volume (.smv) must be the only file");
   check_argument(!read.raw.given(), "`dims`, `type` and `spacing` are for raw files, not for fitted volumes (.smv)");
   check_argument(read.time_step == 0, "`time_step`: a fitted volume (.smv) holds a single step");
   check_argument(read.fill.usual && read.fill.values.empty(),
-                 "`fill_value` is told where a volume is fitted: in a fitted volume (.smv) these are missing already");
+                 "`fill_value` must be given when the volume is fitted, not for a fitted volume (.smv)");
   return read_volume_file(files[0]);
 }
 
-/// The choice of the array is made here.
+/// Also chooses the array.
 std::shared_ptr<VolumeModel::State> state_of(std::shared_ptr<VolumeDataset> dataset, std::string name,
                                              const VolumeModelOptions& options) {
   options.validate();
@@ -41,7 +41,7 @@ std::shared_ptr<VolumeModel::State> state_of(std::shared_ptr<VolumeDataset> data
   const VolumeDataset& of = *state->dataset;
   if (of.arrays().empty()) {
     if (options.bare && options.array.empty()) return state;
-    std::string cause = "holds no arrays: there is nothing to reconstruct";
+    std::string cause = "has no arrays: there is nothing to reconstruct";
     for (const std::string& note : of.notes()) cause += "; " + note;
     with_name(state->name, [&] { throw DataError(cause); });
   }
@@ -59,8 +59,7 @@ const OptionSchema& VolumeModelOptions::schema() {
                          .from_data = "a scalar"}),
       option_group<&O::reconstruction>(ReconstructionOptions::schema().rows),
       option_group<&O::read>(VolumeReadOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumeModelOptions::validate() const {
@@ -153,22 +152,22 @@ const VolumeTraits& VolumeModel::traits(Progress& progress) const {
   if (s.traits) return *s.traits;
   const auto volume = samples(progress);
   s.traits = with_name(s.name, [&] {
-    s.dataset->default_array();  // there must be one
+    s.dataset->default_array();  // checks that there is one
     return measure_volume_traits(*volume, volume_values(*volume, s.choice.array), progress);
   });
-  s.suited = choose_reconstruction(*volume, *s.traits);
+  s.recommended = choose_reconstruction(*volume, *s.traits);
   return *s.traits;
 }
 
-const ReconstructionChoice& VolumeModel::suited(Progress& progress) const {
+const ReconstructionChoice& VolumeModel::recommended(Progress& progress) const {
   traits(progress);
-  return state_->suited;
+  return state_->recommended;
 }
 
 ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress) {
   ReconstructionOptions options = volume.options().reconstruction;
   const FittedVolume* const fitted = dataset_of(volume).fitted();
-  if (!options.method && (!fitted || fitted->array != array)) options.method = volume.suited(progress).method;
+  if (!options.method && (!fitted || fitted->array != array)) options.method = volume.recommended(progress).method;
   return options;
 }
 
@@ -176,7 +175,7 @@ void VolumeModel::State::keep_report(const ReconstructionReport& of, const Recon
   if (std::exchange(reported, true)) return;
   report = of;
   // What suits the data was put in here, not by who opened the volume.
-  if (asked.method && !options.reconstruction.method) report.why = suited.why;
+  if (asked.method && !options.reconstruction.method) report.why = recommended.why;
 }
 
 std::shared_ptr<const VolumeField> VolumeModel::field(Progress& progress, std::vector<Note>& notes) const {
@@ -263,24 +262,18 @@ std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progres
           fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
-namespace {
-
-constexpr ReportRow kVolumeUseRows[] = {
-    reported<&VolumeUse::format>({.text = "Format of the file"}),
-    reported<&VolumeUse::array>({.text = "Array"}),
-    reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
-        {.name = "method", .text = "Method of reconstruction"}),
-    reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
-        {.name = "why", .text = "Reason for that, where it was chosen"}),
-    reported<&VolumeUse::samples>({.text = "Samples"}),
-    reported<&VolumeUse::grid>({.text = "Grid, in words"}),
-    reported<&VolumeUse::notes>({.text = "What there is to know of the values"})};
-
-}  // namespace
-
 const ReportSchema& VolumeUse::schema() {
-  static constexpr ReportSchema schema{kVolumeUseRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeUse::format>({.text = "Format of the file"}),
+      reported<&VolumeUse::array>({.text = "Array"}),
+      reported<[](const VolumeUse& r) { return value_if(!r.method.empty(), r.method); }>(
+          {.name = "method", .text = "Method of reconstruction"}),
+      reported<[](const VolumeUse& r) { return value_if(!r.why.empty(), r.why); }>(
+          {.name = "why", .text = "Reason for the method, if it was chosen automatically"}),
+      reported<&VolumeUse::samples>({.text = "Samples"}),
+      reported<&VolumeUse::grid>({.text = "Description of the grid"}),
+      reported<&VolumeUse::notes>({.text = "Notes on the values"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// The hidden half of a VolumeModel, for jobs.
+// Internal state of a VolumeModel.
 #pragma once
 
 #include <memory>
@@ -24,12 +24,12 @@ struct VolumeModel::State {
   ArrayChoice choice;
   std::shared_ptr<const SampledVolume> samples;
   std::optional<VolumeTraits> traits;
-  ReconstructionChoice suited;
+  ReconstructionChoice recommended;
   ReconstructionReport report;
   bool reported = false;
   std::vector<Made> made;
 
-  /// `report` is that of the first field.
+  /// Keeps the report of the first field only.
   void keep_report(const ReconstructionReport& of, const ReconstructionOptions& asked);
 };
 
@@ -38,7 +38,7 @@ VolumeModel model_of(VolumeDataset dataset, std::string name, const VolumeModelO
 
 inline VolumeDataset& dataset_of(const VolumeModel& volume) { return *volume.state().dataset; }
 
-/// What was given; the method of a fitted volume, or the one that suits the data, where none was.
+/// The given method; otherwise that of a fitted volume, or the recommended one.
 ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@ namespace sansmesh::inline v1 {
 
 VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary) {
   VolumeSubject subject;
-  subject.places = samples.positions;
+  subject.samples = samples.positions;
   subject.image = samples.lattice.has_value();
-  // The box of a lattice whose axes are not those of space does not tell where it ends.
+  // The bounding box of a lattice with oblique axes is not its boundary.
   bool box = samples.lattice.has_value();
   for (std::size_t k = 0; k < 3 && box; ++k)
     for (std::size_t c = 0; c < 3; ++c) box = box && (c == k || samples.lattice->directions[k][c] == 0);

@@ -1,4 +1,4 @@
-// Facts of samples that pictures of their volume need, besides fields.
+// Facts about samples for pictures of their volume.
 #pragma once
 
 #include "sansmesh/render/volume/volume_picture.h"
@@ -7,7 +7,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// `boundary` becomes the volume's where its box does not tell where it ends; it and the samples must outlive the
+/// Computes `boundary` if the box of the volume is not its boundary. `boundary` and the samples must outlive the
 /// picture.
 VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary);
 

@@ -1,4 +1,4 @@
-// Errors of data with the name of what they are about.
+// Adds names to errors of data.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Calls; a DataError gets the name in front: "scan.ply: holds no points".
+/// Calls `call` and prefixes DataError with the name: "scan.ply: holds no points".
 template <class Call>
 decltype(auto) with_name(const std::string& name, Call&& call) {
   try {
@@ -18,7 +18,7 @@ decltype(auto) with_name(const std::string& name, Call&& call) {
   }
 }
 
-/// Calls; a DataError becomes one of the file, if that has a name.
+/// Calls `call` and converts DataError to FileError if the file has a name.
 template <class Call>
 decltype(auto) with_file(const std::string& file, Call&& call) {
   try {

@@ -1,4 +1,5 @@
 #include "sansmesh/measure/body_measures.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,6 +7,8 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/group_rows.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -17,11 +20,11 @@ namespace {
 
 constexpr std::size_t kMassChunk = 8192;
 
-/// Integrals over surface and inside, relative to a middle.
+/// Integrals over surface and volume, relative to a centre.
 struct MassSums {
   double area = 0, volume = 0;
-  Vec3 surface, first;             ///< ∫ x over the surface, over the inside
-  std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the inside
+  Vec3 surface, first;             ///< ∫ x over the surface, over the volume
+  std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the volume
 };
 
 MassSums combine_mass(MassSums a, const MassSums& b) {
@@ -33,8 +36,8 @@ MassSums combine_mass(MassSums a, const MassSums& b) {
   return a;
 }
 
-/// Adds a triangle, and the tetrahedron from the middle to it: over that with corners 0, a, b, c and s = a + b + c the
-/// integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
+/// Adds a triangle and the tetrahedron from the centre to it: over the tetrahedron with corners 0, a, b, c and s = a +
+/// b + c the integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
 void add(const Vec3& a, const Vec3& b, const Vec3& c, MassSums& sums) {
   const double area = triangle_area(a, b, c), det = Matrix3{a, b, c}.determinant();
   const Vec3 s = a + b + c;
@@ -65,7 +68,7 @@ MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   const Eigen::Vector3d shift(c.x, c.y, c.z);
   moments -= sums.volume * shift * shift.transpose();
   const Eigen::Matrix3d inertia = moments.trace() * Eigen::Matrix3d::Identity() - moments;
-  // Of the solid itself, whichever way its triangles face.
+  // Independent of the orientation of the triangles.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sums.volume < 0 ? Eigen::Matrix3d(-inertia) : inertia);
   for (int k = 0; k < 3; ++k) {
     mass.moments[static_cast<std::size_t>(k)] = std::max(0.0, solver.eigenvalues()[k]);
@@ -79,7 +82,7 @@ MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   return mass;
 }
 
-/// Counts the edges of each component as measure_topology does those of the whole.
+/// Counts the edges of each component, as measure_topology does for the whole.
 void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& component, SolidMeasures& result) {
   // Key: the unordered pair; index: triangle and direction.
   std::vector<KeyIndex> edges(3 * mesh.triangles.size());
@@ -87,7 +90,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
     const Triangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      edges[3 * i + k] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<unsigned>(3 * i + k)};
+      edges[3 * i + k] = {edge_key(a, b), static_cast<unsigned>(3 * i + k)};
     }
   });
   parallel_sort(edges);
@@ -123,27 +126,23 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   count_edges(clean, components.of_triangle, result);
 
   // Triangles grouped by component, in order.
-  std::vector<std::size_t> first(components.size() + 1);
-  for (const std::uint32_t c : components.of_triangle) ++first[c + 1];
-  for (std::size_t c = 0; c < components.size(); ++c) first[c + 1] += first[c];
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  std::vector<std::uint32_t> grouped(clean.triangles.size());
-  for (std::size_t i = 0; i < grouped.size(); ++i)
-    grouped[next[components.of_triangle[i]]++] = static_cast<std::uint32_t>(i);
+  const Adjacency grouped = group_rows(components.size(), [&](const auto& visit) {
+    for (std::size_t i = 0; i < clean.triangles.size(); ++i) visit(components.of_triangle[i], i);
+  });
 
   std::vector<Vec3f> corners;
-  const auto measure = [&](BodyMeasures& body, std::size_t begin, std::size_t end) {
-    body.triangles = end - begin;
+  const auto measure = [&](BodyMeasures& body, std::span<const std::uint32_t> triangles) {
+    body.triangles = triangles.size();
     Box3f box;
-    for (std::size_t i = begin; i < end; ++i)
-      for (const std::uint32_t v : clean.triangles[grouped[i]]) box.extend(clean.vertices[v]);
+    for (const std::uint32_t i : triangles)
+      for (const std::uint32_t v : clean.triangles[i]) box.extend(clean.vertices[v]);
     const Vec3 middle = box.empty() ? Vec3{} : (Vec3(box.lower) + Vec3(box.upper)) * 0.5;
     const MassSums sums = parallel_reduce(
-        end - begin, kMassChunk, MassSums{},
+        triangles.size(), kMassChunk, MassSums{},
         [&](std::size_t from, std::size_t to) {
           MassSums part;
-          for (std::size_t i = begin + from; i < begin + to; ++i) {
-            const Triangle& t = clean.triangles[grouped[i]];
+          for (const std::uint32_t i : triangles.subspan(from, to - from)) {
+            const Triangle& t = clean.triangles[i];
             add(Vec3(clean.vertices[t[0]]) - middle, Vec3(clean.vertices[t[1]]) - middle,
                 Vec3(clean.vertices[t[2]]) - middle, part);
           }
@@ -155,15 +154,15 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
     body.surface_center = clean.origin + middle + (sums.area > 0 ? sums.surface / sums.area : Vec3{});
     if (body.closed() && sums.area > 0) body.mass = mass_of(sums, clean.origin + middle);
   };
-  measure(result.whole, 0, grouped.size());
-  // The sums that other commands print, to the last bit.
+  measure(result.whole, grouped.entries);
+  // The same sums as in other commands, to the last bit.
   const MeshSize size = measure_size(clean);
   result.whole.area = size.area;
   if (result.whole.mass) result.whole.mass->volume = size.volume;
   if (!(result.whole.area > 0)) throw DataError("no triangles with an area to measure");
   std::vector<std::uint8_t> closed(components.size());
   for (std::size_t c = 0; c < components.size(); ++c) {
-    measure(result.components[c], first[c], first[c + 1]);
+    measure(result.components[c], grouped[c]);
     closed[c] = result.components[c].mass.has_value();
   }
   const ComponentOverlap overlap = component_overlap(clean, components.of_triangle, closed);
@@ -193,8 +192,7 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::triangles>({.text = "Triangles"}),
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&BodyMeasures::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+    reported<&BodyMeasures::open_edges>({.text = "Edges whose triangles do not cancel in direction"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),
@@ -229,7 +227,7 @@ std::vector<BodyMeasures> largest_components(const SolidMeasures& solid) {
 }
 
 constexpr ReportRow kSolidMeasuresRows[] = {
-    reported<&SolidMeasures::topology>({.text = "How the triangles hang together"}),
+    reported<&SolidMeasures::topology>({.text = "Topology of all triangles"}),
     reported<&SolidMeasures::whole>({.text = "All parts together"}),
     reported<&SolidMeasures::smallest_box>({.text = "Smallest box around all"}),
     reported<&SolidMeasures::left_out>(

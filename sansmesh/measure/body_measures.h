@@ -1,4 +1,4 @@
-// What a solid amounts to: area, volume, centre of mass, moments of inertia, size.
+// Measures of solids: area, volume, centre of mass, moments of inertia, smallest box.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// Of the sewn mesh (sewn_mesh.h). Volume, centre and moments by the divergence theorem, exactly for the
-/// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice, and are counted
-/// (`misplaced`, `crossing_pairs`). Deterministic for any
-/// number of threads. Throws DataError if there is no triangle with an area.
+/// Measures the sewn mesh (sewn_mesh.h). Volume, centre and moments follow from the divergence theorem, exactly for the
+/// polyhedron: cavities (components that face inward) are subtracted; overlaps count twice, and are reported
+/// (`misplaced`, `crossing_pairs`). Deterministic for any number of threads. Throws DataError if no triangle has an
+/// area.
 SolidMeasures measure_solid(const TriangleMesh& mesh);
 
 }  // namespace sansmesh::inline v1

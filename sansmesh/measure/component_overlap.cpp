@@ -8,6 +8,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
@@ -15,15 +16,16 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Part of the diagonal that faces have to reach beyond each other's plane: rounding of float vertices stays below it.
+/// Depth, relative to the diagonal, by which faces must cross each other's plane; rounding of float vertices is below
+/// it.
 constexpr double kCrossingDepth = 1e-6;
-/// Points of a component at which the others are asked for. A face may lie on another component's, and the solid that
-/// it belongs to is behind it: the points are so far behind their faces, in parts of the diagonal of all, and at most
-/// in parts of their component's.
+/// Probe points of a component for the winding number of the others. A face may coincide with another component's face,
+/// and its solid is behind it: probes are behind their faces by this depth, relative to the diagonal of all, and at
+/// most by this share of their component's diagonal.
 constexpr std::size_t kProbes = 9;
 constexpr double kProbeDepth = 4 * kCrossingDepth, kProbeShare = 1e-3;
 
-/// Which side of the directed edge from a to b the point is on, seen along z; the same to the bit for both directions.
+/// Side of the point relative to the directed edge from a to b, seen along z; bit-identical for both directions.
 double side_of_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
   const bool turned = b.y < a.y || (b.y == a.y && b.x < a.x);
   const Vec3 &low = turned ? b : a, &high = turned ? a : b;
@@ -31,8 +33,8 @@ double side_of_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
   return turned ? -side : side;
 }
 
-/// How often the ray from p along z runs out of the solid through the triangle: 1, 0, −1. A ray through an edge meets
-/// one of its two triangles: an edge counts without its upper end, and for points with a smaller x only.
+/// Signed crossings of the ray from p along z out of the solid through the triangle: 1, 0, −1. A ray through an edge
+/// meets one of its two triangles: an edge counts without its upper end, and only for points with a smaller x.
 int crossing_above(const std::array<Vec3, 3>& t, const Vec3& p) {
   int winding = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -54,7 +56,7 @@ std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::uint32_t i) {
   return {Vec3(mesh.vertices[u]), Vec3(mesh.vertices[v]), Vec3(mesh.vertices[w])};
 }
 
-/// The triangles of closed components, under their boxes.
+/// The triangles of closed components in a bounding-volume tree.
 class SolidFaces {
  public:
   SolidFaces(const TriangleMesh& mesh, std::span<const std::uint32_t> component, std::span<const std::uint8_t> closed)
@@ -67,7 +69,7 @@ class SolidFaces {
       for (const std::uint32_t v : mesh.triangles[i]) center += mesh.vertices[v] / 3.0f;
       faces.push_back(i), centers.push_back(center);
     }
-    const KdTree order(centers);  // puts neighbours in space side by side
+    const KdTree order(centers);  // orders neighbours in space next to each other
     order_.reserve(faces.size());
     for (const std::uint32_t k : order.order()) order_.push_back(faces[k]);
     std::vector<Box3f> boxes(order_.size());
@@ -107,17 +109,18 @@ class SolidFaces {
   BoxLevels levels_;
 };
 
-/// Fills in ComponentOverlap::surrounding. A single closed component has no others around it.
+/// Computes ComponentOverlap::surrounding. A single closed component has no others around it.
 void find_surrounding(const TriangleMesh& mesh, std::span<const std::uint32_t> component,
                       std::span<const std::uint8_t> closed, std::vector<int>& surrounding) {
   if (std::count(closed.begin(), closed.end(), 1) < 2) return;
   const SolidFaces faces(mesh, component, closed);
-  std::vector<std::vector<std::uint32_t>> of_component(surrounding.size());
-  for (std::uint32_t i = 0; i < component.size(); ++i)
-    if (closed[component[i]]) of_component[component[i]].push_back(i);
+  const Adjacency of_component = group_rows(surrounding.size(), [&](const auto& visit) {
+    for (std::size_t i = 0; i < component.size(); ++i)
+      if (closed[component[i]]) visit(component[i], i);
+  });
   const double depth = kProbeDepth * bounds(mesh).diagonal();
   parallel_for(0, surrounding.size(), 1, [&](std::size_t c) {
-    const std::vector<std::uint32_t>& own = of_component[c];
+    const std::span<const std::uint32_t> own = of_component[c];
     if (own.empty()) return;
     Box3f box;
     for (const std::uint32_t i : own)

@@ -27,7 +27,7 @@ std::optional<double> number(std::string text) {
 
 CutPlane axis_plane(int axis, double value) {
   if (axis < 0 || axis > 2) throw ArgumentError(fmt::format("axis {}: must be 0, 1 or 2", axis));
-  if (!std::isfinite(value)) throw ArgumentError("the place of a plane must be finite");
+  if (!std::isfinite(value)) throw ArgumentError("the position of a plane must be finite");
   CutPlane plane;
   plane.normal = plane.u = plane.v = {};
   const auto k = static_cast<std::size_t>(axis);
@@ -43,7 +43,7 @@ CutPlane cut_plane(const Vec3& normal, double offset) {
   if (!is_finite(normal) || !(size > 0) || !std::isfinite(offset))
     throw ArgumentError(fmt::format("plane {:g},{:g},{:g},{:g}: needs a normal with a direction and finite numbers",
                                     normal.x, normal.y, normal.z, offset));
-  // Scaled first, so that the squares of very large or small components do not leave the range of numbers.
+  // Scaled first, so that squares of very large or small components do not overflow or underflow.
   const Vec3 scaled = normal / size;
   const double length = norm(scaled);
   const Vec3 n = scaled / length;

@@ -20,7 +20,7 @@ constexpr std::size_t kMapChunk = 1024;  // fixed: neighbours in a chunk share h
 constexpr double kInRange = 0.99;
 constexpr std::array<std::uint8_t, 3> kLeftOut{150, 150, 150};
 
-/// A third of the area of the triangles at each vertex; negative for vertices that no triangle uses. Points: 1.
+/// Weight of each vertex: a third of the area of its triangles; negative for unused vertices. Points: 1.
 std::vector<double> weights(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   if (mesh.triangles.empty()) return std::vector<double>(n, 1.0);
@@ -56,7 +56,7 @@ double sum_of(const std::vector<Sample>& samples, double (*term)(const Sample&, 
       [](double a, double b) { return a + b; });
 }
 
-/// Where the weight of sorted samples reaches a share of the total; `value` is what they are sorted by.
+/// Weighted quantile of sorted samples; `value` is the sort key.
 template <class Value>
 double percentile(const std::vector<Sample>& sorted, double total, double share, Value&& value) {
   double sum = 0;
@@ -147,14 +147,14 @@ const OptionSchema& DistanceMapOptions::schema() {
           {.text = "Report the share within ±LENGTH", .unit = "length", .range = at_least(0), .old_name = "tolerance"}),
       option<&O::color_range>({.text = "Distance that gets the full colour",
                                .unit = "length",
-                               .from_data = "99 % are nearer",
+                               .from_data = "99 % of the area is nearer",
                                .range = positive(),
                                .old_name = "range"}),
-      option<&O::max_distance>({.text = "Leave out whatever is farther off",
+      option<&O::max_distance>({.text = "Leave out points farther away",
                                 .unit = "length",
                                 .from_data = "a tenth of the diagonal of the reference",
                                 .range = positive()}),
-      option<&O::skip_border>({.text = "Leave out what is closest to the border of an open surface"})};
+      option<&O::skip_border>({.text = "Leave out points closest to the border of an open surface"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -170,7 +170,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   const std::size_t n = part.vertices.size();
   map.distance.assign(n, std::numeric_limits<float>::quiet_NaN());
   const std::vector<double> weight = weights(part);
-  // Neighbours in space one after the other: searches are short then, however the vertices are ordered.
+  // Spatial order makes searches short for any order of the vertices in the mesh.
   const KdTree tree(part.vertices);
   std::vector<std::uint32_t> order;
   order.reserve(n);
@@ -179,7 +179,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   map.not_finite = n - order.size();
   if (order.empty()) throw DataError("no finite points to compare");
 
-  // NaN keeps its reason here until all are counted.
+  // The reason for each NaN, until all are counted.
   enum class Left : std::uint8_t { no, beyond, lost, border };
   std::vector<Left> left(n, Left::no);
   std::vector<std::uint8_t> border(n);
@@ -275,7 +275,7 @@ constexpr ReportRow kDistanceMapRows[] = {
         {.name = "vertices", .text = "Vertices of the mapped surface"}),
     reported<&DistanceMap::measured>({.text = "Vertices with a distance"}),
     reported<&DistanceMap::beyond>({.text = "Vertices left out: farther than the largest distance"}),
-    reported<&DistanceMap::not_found>({.text = "Vertices left out: from where no surface was found"}),
+    reported<&DistanceMap::not_found>({.text = "Vertices left out: no surface found"}),
     reported<&DistanceMap::at_border>({.text = "Vertices whose closest point lies on a border"}),
     reported<&DistanceMap::not_finite>({.text = "Vertices left out: not finite, or unused"}),
     reported<&DistanceMap::max_distance>({.text = "Largest distance that counts", .unit = "length"}),

@@ -1,4 +1,4 @@
-// The inspection map: how far every place of a part lies from where it should.
+// Inspection map: deviations of a part from its reference surface.
 #pragma once
 
 #include <array>
@@ -16,19 +16,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Least range that is chosen by itself, of the diagonal of the reference's box: below it lies rounding.
+/// Smallest default range, relative to the diagonal of the reference's box: smaller values are rounding.
 inline constexpr double kSmallestRange = 1e-6;
 
-/// Distances at the vertices of a mesh that triangles use, or at all points if there are no triangles. Parallel, the
-/// same for any number of threads. Throws DataError if there are no finite points, ArgumentError for bad options.
+/// Distances at the used vertices of a mesh, or at all points if there are no triangles. Parallel, with the same result
+/// for any number of threads. Throws DataError if there are no finite points, ArgumentError for bad options.
 DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
                          Progress& progress);
 
-/// The colour of a distance: blue inside, white at 0, red outside, full at ±range; grey where it was left out.
+/// Colour of a distance: blue inside, white at 0, red outside, saturated at ±range; grey where left out.
 std::array<std::uint8_t, 3> distance_color(float distance, double range);
 
-/// Writes distances as the attribute "quality" of the vertices (left out: NaN; the name that viewers of meshes know; of
-/// a mesh without triangles "distance") and their colours into the mesh.
+/// Stores distances as the vertex attribute "quality" (a name known to mesh viewers; "distance" without triangles; NaN
+/// where left out), and their colours, in the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
 }  // namespace sansmesh::inline v1

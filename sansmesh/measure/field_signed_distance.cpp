@@ -10,17 +10,18 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr int kSteps = 80;           // of one way to the zero set: enough to bisect from the box's size to kNoise
-constexpr int kFootSteps = 12;       // corrections within the tangent plane
-constexpr double kExact = 1e-9;      // of the box's diagonal: no step shorter than this is taken
-constexpr double kNoise = 1e-6;      // of the diagonal: values that are floats are no better in places
-constexpr double kShrinks = 0.9;     // a step no shorter than this part of the best one is noise
-constexpr double kSettled = 1e-5;    // of the distance: shortest correction; its effect on the distance is the square
-constexpr double kFarOff = 0.02;     // of the diagonal: from here on the line to the foot is looked at
-constexpr int kLooks = 8;            // parts of that line
-constexpr double kLongStep = 0.25;   // of the diagonal, within the box
-constexpr double kToTheBox = 0.9;    // of the way to the box, outside of it
-constexpr double kMuchLonger = 1.5;  // the way, at most, against the straight line
+constexpr int kSteps = 80;        // per search of the zero set: enough to bisect from the box's size to kNoise
+constexpr int kFootSteps = 12;    // corrections in the tangent plane
+constexpr double kExact = 1e-9;   // shortest step, relative to the box's diagonal
+constexpr double kNoise = 1e-6;   // relative to the diagonal: limit of fields with float values
+constexpr double kShrinks = 0.9;  // a step above this share of the best one is noise
+constexpr double kSettled =
+    1e-5;  // shortest correction, relative to the distance; its effect on the distance is quadratic
+constexpr double kFarOff = 0.02;     // relative to the diagonal: above it the line to the foot is tested
+constexpr int kLooks = 8;            // segments of that line
+constexpr double kLongStep = 0.25;   // relative to the diagonal, inside the box
+constexpr double kToTheBox = 0.9;    // share of the distance to the box, outside it
+constexpr double kMuchLonger = 1.5;  // longest path, relative to the straight line
 
 double distance_to_box(const Box3& box, const Vec3& p) {
   Vec3 out;
@@ -30,19 +31,19 @@ double distance_to_box(const Box3& box, const Vec3& p) {
 
 enum class Way : std::uint8_t { open, arrived, beyond, lost };
 
-/// One way to the zero set: where it is, what it has seen, and the place closest to the zero set so far.
+/// One search for the zero set: its position, the bracket, and the point closest to the zero set so far.
 struct Walk {
   Vec3 at;
-  Vec3 inner, outer;  ///< the last places with a negative and with another value: the surface passes between them
+  Vec3 inner, outer;  ///< the last points with a negative and another value: the surface is between them
   bool has_inner = false, has_outer = false;
   double last = kNever, before = kNever;  ///< lengths of the last two steps
   double best = kNever;                   ///< length of Newton's step from the foot
   Vec3 foot, normal;
-  bool in_domain = false;  ///< the foot
+  bool in_domain = false;  ///< state of the foot
   Way way = Way::open;
 };
 
-/// Feet of many points on the zero set of a field, found at the same time so that the field is evaluated in batches.
+/// Feet of many points on the zero set, searched together so that the field is evaluated in batches.
 class Feet {
  public:
   Feet(const ScalarField& field, std::span<const Vec3> x, double farthest)
@@ -89,7 +90,7 @@ class Feet {
     open_.push_back(i);
   }
 
-  /// Notes what the field is at the place of a walk. Returns whether that ends it.
+  /// Records the field at the position of a search. Returns whether the search ends.
   bool arrives(Walk& w, double value, const Vec3& gradient, bool in_domain) const {
     const double slope = norm(gradient), length = std::abs(value) / slope;
     const bool usable = slope > 0 && std::isfinite(slope);
@@ -100,10 +101,10 @@ class Feet {
       w.best = length;
       w.foot = w.at, w.normal = gradient / slope, w.in_domain = in_domain;
     }
-    // Near the zero set of a function of floats the steps stop shrinking: then noise is all that is left.
+    // Near the zero set of a float function the steps stop shrinking: the rest is noise.
     if (w.best <= exact_ || (w.best <= noise_ && !closer)) return true;
     if (!w.has_inner || !w.has_outer || norm(w.outer - w.inner) > exact_) return false;
-    // The signs leave it no other place, however steep or rough the field is there.
+    // The bracket determines the position, however steep or rough the field is.
     if (w.best > noise_) {
       w.foot = w.at, w.in_domain = in_domain;
       w.normal = usable ? gradient / slope : normalized(w.outer - w.inner);
@@ -111,7 +112,7 @@ class Feet {
     return true;
   }
 
-  /// One step: Newton's, as long as it is short enough; halfway between the two sides otherwise.
+  /// One step: Newton's if it is short enough, otherwise bisection.
   void step(Walk& w, const Vec3& x, double value, const Vec3& gradient) const {
     const double slope = squared_norm(gradient);
     const bool usable = slope > 0 && std::isfinite(slope), bracketed = w.has_inner && w.has_outer;
@@ -119,7 +120,7 @@ class Feet {
     bool newton = usable;
     if (usable) {
       Vec3 move = gradient * (-value / slope);
-      // Nearly flat places must not throw it across the surface and away.
+      // Small gradients must not move it across the surface and away.
       const double length = norm(move);
       const double cap = std::min(longest_, kLongStep * scale_ + kToTheBox * distance_to_box(box_, w.at));
       if (length > cap) move *= cap / length;
@@ -139,7 +140,7 @@ class Feet {
     if (norm(next - x) > reach_) w.way = Way::beyond;
   }
 
-  /// Takes the walks of open_ to their end.
+  /// Completes the searches in open_.
   void walk() {
     std::vector<std::uint32_t> left;
     std::vector<Vec3> at;
@@ -170,7 +171,7 @@ class Feet {
     normals_[i] = walks_[i].normal;
   }
 
-  /// From the points onto the zero set.
+  /// Moves the points to the zero set.
   void approach() {
     std::vector<Vec3> at;
     for (std::size_t i = 0; i < x_.size(); ++i) {
@@ -188,8 +189,8 @@ class Feet {
     }
   }
 
-  /// A long way may have passed through a part of the surface to end at one behind it: where the line to the foot has
-  /// been on the other side, the way starts anew between there and the point.
+  /// A long path may have crossed one part of the surface and ended at one behind it: if the line to the foot has been
+  /// on the other side, the search restarts between there and the point.
   void look_between() {
     std::vector<std::uint32_t> far;
     std::vector<Vec3> at;
@@ -219,13 +220,13 @@ class Feet {
       if (walks_[i].way == Way::arrived && norm(walks_[i].foot - x_[i]) < norm(feet_[i] - x_[i])) keep(i);
   }
 
-  /// The part of the line from a foot to its point that lies in the tangent plane there.
+  /// The tangential component of the line from a foot to its point.
   Vec3 aside(std::uint32_t i, const Vec3& foot, const Vec3& normal) const {
     const Vec3 line = x_[i] - foot;
     return line - normal * dot(line, normal);
   }
 
-  /// Along the zero set until the line to the point is normal to it.
+  /// Moves along the zero set until the line to the point is normal to it.
   void settle() {
     std::vector<double> share(x_.size(), 1);
     std::vector<std::uint32_t> moving;
@@ -245,8 +246,8 @@ class Feet {
           share[i] *= 0.25;
           continue;
         }
-        // How much of the deviation is left tells how long the step should have been: the surface's curvature decides,
-        // and a whole one goes too far outside of convex places and not far enough inside.
+        // The remaining deviation determines the right step length, which depends on the curvature: a full step
+        // overshoots outside convex regions and undershoots inside.
         const Vec3 before = aside(i, feet_[i], normals_[i]), after = aside(i, w.foot, w.normal);
         const double left = dot(before, after) / squared_norm(before);
         share[i] *= std::clamp(1 / std::max(0.1, 1 - left), 0.1, 4.0);
@@ -263,8 +264,8 @@ class Feet {
   std::vector<double> sign_;
   std::vector<Vec3> feet_, normals_;
   std::vector<Way> ways_;
-  std::vector<std::uint32_t> open_;  ///< walks that are under way
-  std::vector<double> values_;       ///< of the last evaluation
+  std::vector<std::uint32_t> open_;  ///< unfinished searches
+  std::vector<double> values_;       ///< results of the last evaluation
   std::vector<Vec3> gradients_;
   std::vector<std::uint8_t> inside_;
 };

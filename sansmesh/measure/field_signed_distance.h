@@ -1,4 +1,4 @@
-// How far a point lies from the zero set of a function, and on which side.
+// Signed distance to the zero set of a function.
 #pragma once
 
 #include <span>
@@ -8,12 +8,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Distance to the zero set of a function, negative inside, that need not be a distance itself: Newton steps along the
-/// gradient onto the zero set, halving between its two sides where they do not shrink, then steps within its tangent
-/// planes until the line to the point is normal to it. So the foot is a point of the zero set, to 1e-9 of the box's
-/// diagonal or as well as the function's noise allows if that is below 1e-6 of it, and closest among its neighbours,
-/// though another part may be closer still. The sign is the function's. NaN are points whose steps lead farther than
-/// `farthest`, and lost those whose steps lead out of the domain or nowhere.
+/// Distance to the zero set of a function, negative inside; the function need not be a distance. Newton steps along the
+/// gradient lead to the zero set, with bisection where they do not shrink; then steps in the tangent plane until the
+/// line to the point is normal to it. The foot is a point of the zero set, to 1e-9 of the box's diagonal, or to the
+/// accuracy limited by noise of the function below 1e-6 of it, and closest among its neighbours, though another part
+/// may be closer. The sign is that of the function. Points with steps farther than `farthest` become NaN; points with
+/// steps that leave the domain or do not converge are lost.
 class FieldDistance : public SignedDistance {
  public:
   /// Keeps a reference to the field.

@@ -3,37 +3,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/points_signed_distance.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
+
 MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {
   if (closest_.empty()) throw DataError("no triangles to measure distances to");
-  same_ = first_at_place(mesh.vertices);
+  same_ = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.vertices.size();
   const auto usable = [&](const Triangle& t) {
     return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&
            is_finite(mesh.vertices[t[2]]);
   };
-  first_.assign(n + 1, 0);
   Box3f box;
-  for (const Triangle& t : mesh.triangles) {
-    if (!usable(t)) continue;
-    for (const std::uint32_t v : t) ++first_[same_[v] + 1], box.extend(mesh.vertices[v]);
-  }
-  for (std::size_t i = 0; i < n; ++i) first_[i + 1] += first_[i];
-  triangles_.resize(first_[n]);
-  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (!usable(mesh.triangles[i])) continue;
-    for (const std::uint32_t v : mesh.triangles[i]) triangles_[next[same_[v]]++] = static_cast<std::uint32_t>(i);
-  }
+  triangles_at_ = group_rows(n, [&](const auto& visit) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (!usable(mesh.triangles[i])) continue;
+      for (const std::uint32_t v : mesh.triangles[i]) visit(same_[v], i), box.extend(mesh.vertices[v]);
+    }
+  });
   bounds_ = {mesh.origin + Vec3(box.lower), mesh.origin + Vec3(box.upper)};
-}
-
-std::span<const std::uint32_t> MeshDistance::triangles_at(std::uint32_t corner) const {
-  return std::span(triangles_).subspan(first_[corner], first_[corner + 1] - first_[corner]);
 }
 
 Triangle MeshDistance::corners(std::uint32_t triangle) const {
@@ -49,7 +41,7 @@ Vec3 MeshDistance::face_normal(std::uint32_t triangle) const {
 /// Sum of the unit normals of the other triangles at an edge.
 Vec3 MeshDistance::normals_across(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
   Vec3 sum;
-  for (const std::uint32_t other : triangles_at(a)) {
+  for (const std::uint32_t other : triangles_at_[a]) {
     if (other == triangle) continue;
     const Triangle t = corners(other);
     if (t[0] == b || t[1] == b || t[2] == b) sum += face_normal(other);
@@ -60,14 +52,14 @@ Vec3 MeshDistance::normals_across(std::uint32_t triangle, std::uint32_t a, std::
 Vec3 MeshDistance::edge_normal(std::uint32_t a, std::uint32_t b, bool& border) const {
   Vec3 sum;
   int faces = 0;
-  for (const std::uint32_t triangle : triangles_at(a)) {
+  for (const std::uint32_t triangle : triangles_at_[a]) {
     const Triangle t = corners(triangle);
     if (t[0] != b && t[1] != b && t[2] != b) continue;
     ++faces;
     const Vec3 normal = face_normal(triangle);
     sum += normal;
     if (squared_norm(normal) > 0) continue;
-    // Without area: what lies behind it meets the edge in its place.
+    // A triangle without area is replaced by its neighbours at the edge.
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t p = t[k], q = t[(k + 1) % 3];
       if (p != q && !(p == a && q == b) && !(p == b && q == a)) sum += normalized(normals_across(triangle, p, q));
@@ -80,7 +72,7 @@ Vec3 MeshDistance::edge_normal(std::uint32_t a, std::uint32_t b, bool& border) c
 Vec3 MeshDistance::vertex_normal(std::uint32_t corner, bool& border) const {
   Vec3 sum;
   border = false;
-  for (const std::uint32_t triangle : triangles_at(corner)) {
+  for (const std::uint32_t triangle : triangles_at_[corner]) {
     const Triangle t = corners(triangle);
     const std::size_t k = t[0] == corner ? 0 : t[1] == corner ? 1 : 2;
     const std::uint32_t next = t[(k + 1) % 3], last = t[(k + 2) % 3];
@@ -92,7 +84,7 @@ Vec3 MeshDistance::vertex_normal(std::uint32_t corner, bool& border) const {
     for (const std::uint32_t end : {next, last}) {
       if (end == corner || border) continue;
       int faces = 0;
-      for (const std::uint32_t other : triangles_at(corner)) {
+      for (const std::uint32_t other : triangles_at_[corner]) {
         const Triangle o = corners(other);
         faces += o[0] == end || o[1] == end || o[2] == end;
       }

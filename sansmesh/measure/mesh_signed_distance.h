@@ -1,4 +1,4 @@
-// How far a point lies from a mesh, and on which side.
+// Signed distance to a mesh.
 #pragma once
 
 #include <cstdint>
@@ -6,16 +6,17 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/cell_list.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
-/// Exact distance to the triangles, the sign from the pseudo-normal of what the closest point lies on: the face, the
-/// edge (sum of its faces' unit normals) or the vertex (sum weighted by their angles there), which is right for every
-/// closed mesh (Bærentzen and Aanæs 2005). Vertices at the same place are one. At the border of an open mesh it is the
-/// side of the faces that end there. Triangles without area have no normal: that of their neighbours stands in.
+/// Exact distance to the triangles. The sign is that of the pseudo-normal at the closest point: of a face, an edge (sum
+/// of the unit normals of its faces) or a vertex (sum weighted by angles), which is correct for every closed mesh
+/// (Bærentzen and Aanæs 2005). Coincident vertices are joined. At the border of an open mesh the adjacent faces
+/// determine the side. Triangles without area take the normals of their neighbours.
 class MeshDistance : public SignedDistance {
  public:
   /// Keeps a reference to the mesh. Throws DataError if there is no triangle with finite corners.
@@ -24,11 +25,10 @@ class MeshDistance : public SignedDistance {
   Box3 bounds() const override { return bounds_; }
   void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const override;
 
-  /// Of what `part` of a triangle stands for; zero where it cancels out. `border` becomes true if a face ends there.
+  /// Pseudo-normal of a `part` of a triangle; zero where normals cancel. `border` becomes true if a face ends there.
   Vec3 pseudo_normal(std::uint32_t triangle, TrianglePart part, bool& border) const;
 
  private:
-  std::span<const std::uint32_t> triangles_at(std::uint32_t corner) const;
   Vec3 position(std::uint32_t corner) const { return Vec3(mesh_.vertices[corner]); }
   Triangle corners(std::uint32_t triangle) const;
   Vec3 face_normal(std::uint32_t triangle) const;
@@ -39,12 +39,11 @@ class MeshDistance : public SignedDistance {
   const TriangleMesh& mesh_;
   ClosestTriangle closest_;
   Box3 bounds_;
-  std::vector<std::uint32_t> same_;   ///< of each vertex: the first one at its place
-  std::vector<std::uint32_t> first_;  ///< of each vertex: where its triangles begin in triangles_
-  std::vector<std::uint32_t> triangles_;
+  std::vector<std::uint32_t> same_;  ///< per vertex: the first coincident one
+  Adjacency triangles_at_;           ///< per vertex: its triangles
 };
 
-/// The distance to a mesh, or to points if it has no triangles. Keeps a reference to it.
+/// The distance to a mesh, or to points if it has no triangles. Keeps a reference.
 std::unique_ptr<SignedDistance> signed_distance(const TriangleMesh& surface);
 
 }  // namespace sansmesh::inline v1

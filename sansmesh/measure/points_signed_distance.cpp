@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kRim = 9;  ///< the sample itself and the eight that its disc reaches to
+constexpr std::size_t kRim = 9;  ///< the sample itself and its eight neighbours
 
 }  // namespace
 

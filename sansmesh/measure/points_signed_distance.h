@@ -1,4 +1,4 @@
-// How far a point lies from the surface that samples stand for, and on which side.
+// Signed distance to the surface sampled by a cloud.
 #pragma once
 
 #include <span>
@@ -10,12 +10,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Distance to discs at the samples, across their normals, that reach as far as their eighth neighbour: near the
-/// samples the distance to the surface that they stand for, not to the single sample; farther off that to the rim. Sign
-/// and disc are those of the nearest sample. Without normals: the distance to the nearest sample, without a sign.
+/// Distance to discs at the samples, perpendicular to their normals, with the radius of the eighth neighbour: near the
+/// samples an approximate distance to the sampled surface, farther away to the disc's rim. The nearest sample
+/// determines sign and disc. Without normals: unsigned distance to the nearest sample.
 class PointsDistance : public SignedDistance {
  public:
-  /// Keeps a reference to the points (a mesh whose triangles are not looked at). Throws DataError if none is finite.
+  /// Keeps a reference to the points (a mesh whose triangles are ignored). Throws DataError if no point is finite.
   explicit PointsDistance(const TriangleMesh& points);
 
   Box3 bounds() const override { return bounds_; }
@@ -26,7 +26,7 @@ class PointsDistance : public SignedDistance {
   const TriangleMesh& points_;
   KdTree tree_;
   Box3 bounds_;
-  std::vector<float> radius_;  ///< of each disc
+  std::vector<float> radius_;  ///< radius of each disc
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Cross-sections: the curves in which a plane cuts a surface.
+// Cross-sections of surfaces with planes.
 #pragma once
 
 #include <array>
@@ -14,31 +14,30 @@
 
 namespace sansmesh::inline v1 {
 
-/// Exact for the mesh. Vertices in the plane count as above it (simulation of simplicity, Edelsbrunner and Mücke 1990),
-/// so a closed mesh always gives closed curves, and a face that lies in the plane appears if the solid lies below it
-/// and not if above: the section is the limit of those by planes a little lower. Vertices at the same place are one, so
-/// that triangle soups work; triangles with a corner that is not finite or does not exist are left out. Points in world
-/// coordinates (the mesh's origin added). Linear in the number of triangles, parallel.
+/// Exact for the mesh. Vertices in the plane count as above it (simulation of simplicity, edelsbrunner1990), so that
+/// closed meshes give closed curves, and a face in the plane appears if the solid is below it and not if above: the
+/// section is the limit of sections slightly lower. Coincident vertices are joined, so that triangle soups are valid
+/// input; triangles with invalid or non-finite corners are ignored. Points are in world coordinates (the mesh's origin
+/// added). Linear in the number of triangles, parallel.
 Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane);
 
-/// One after the other.
+/// The sections of all planes, computed sequentially.
 std::vector<Section> section_mesh(const TriangleMesh& mesh, std::span<const CutPlane> planes, Progress& progress);
 
 struct FieldSectionOptions {
-  /// Squares of the lattice along the longer side of what the plane cuts out of the box, 2..4096: what is smaller than
-  /// one may be missed, and corners are cut off by at most one.
+  /// Lattice squares along the longer side of the plane's intersection with the box, 2..4096: smaller features may be
+  /// missed, and corners are cut off by at most one square.
   int resolution = 512;
-  /// Where to look; default: the field's own box.
+  /// Region; default: the field's own box.
   std::optional<Box3> box = {};
-  /// Throws ArgumentError saying which.
+  /// Throws ArgumentError that names the option.
   void validate() const;
 };
 
-/// Straight from a function, negative inside: its sign is taken on a lattice of right triangles in the plane, and every
-/// crossing of a lattice edge is moved to the zero set along that edge by Newton's method, safeguarded by bisection, to
-/// 1e-12 of the edge. So curves never cross each other; they are closed unless they leave the box or the field's
-/// domain. Zeros count as outside. The lattice is evaluated in parallel; the result does not depend on the number of
-/// threads.
+/// Section of a function, negative inside: evaluates its sign on a lattice of right triangles in the plane and moves
+/// every crossing along its lattice edge to the zero set by Newton's method, safeguarded by bisection, to 1e-12 of the
+/// edge. Curves never cross each other; they are closed unless they leave the box or the field's domain. Zeros count as
+/// outside. The lattice is evaluated in parallel; the result does not depend on the number of threads.
 Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options = {});
 
 std::vector<Section> section_field(const ScalarField& field, std::span<const CutPlane> planes,

@@ -3,34 +3,36 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "sansmesh/data/group_rows.h"
+
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The pieces at each place, in ascending order, and how far each list has been used up.
+/// The pieces at each point in ascending order, with the number already used.
 class PiecesAt {
  public:
   PiecesAt(const std::vector<SectionPiece>& pieces, std::size_t places, std::uint32_t SectionPiece::*end)
-      : first_(places + 1), next_(places), pieces_(pieces.size()) {
-    for (const SectionPiece& p : pieces) ++first_[p.*end + 1];
-    for (std::size_t i = 0; i < places; ++i) first_[i + 1] += first_[i];
-    std::copy_n(first_.begin(), places, next_.begin());
-    for (std::size_t i = 0; i < pieces.size(); ++i) pieces_[next_[pieces[i].*end]++] = static_cast<std::uint32_t>(i);
-    std::copy_n(first_.begin(), places, next_.begin());
-  }
+      : at_(group_rows(places,
+                       [&](const auto& visit) {
+                         for (std::size_t i = 0; i < pieces.size(); ++i) visit(pieces[i].*end, i);
+                       })),
+        next_(places) {}
 
-  std::uint32_t count(std::uint32_t place) const { return first_[place + 1] - first_[place]; }
+  std::size_t count(std::uint32_t place) const { return at_[place].size(); }
 
-  /// The lowest piece there that is not used; kNone if all are.
+  /// The lowest unused piece at a point; kNone if there is none.
   std::uint32_t unused(std::uint32_t place, const std::vector<std::uint8_t>& used) {
-    std::uint32_t& at = next_[place];
-    while (at < first_[place + 1] && used[pieces_[at]]) ++at;
-    return at < first_[place + 1] ? pieces_[at] : kNone;
+    const std::span<const std::uint32_t> pieces = at_[place];
+    std::uint32_t& next = next_[place];
+    while (next < pieces.size() && used[pieces[next]]) ++next;
+    return next < pieces.size() ? pieces[next] : kNone;
   }
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
  private:
-  std::vector<std::uint32_t> first_, next_, pieces_;
+  Adjacency at_;
+  std::vector<std::uint32_t> next_;  ///< per point: number of pieces found to be used
 };
 
 }  // namespace
@@ -66,8 +68,7 @@ std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, 
     chains.push_back(std::move(chain));
   };
 
-  // Ends first, so that what remains can only run in circles: places where a chain must begin, then those where one
-  // must end but nothing led to.
+  // Open chains first: start at points where a chain must begin, then at those where one must end; the rest are closed.
   const auto odd = [&](std::uint32_t place) { return (leaving.count(place) + arriving.count(place)) % 2 == 1; };
   for (std::size_t i = 0; i < pieces.size(); ++i)
     if (const std::uint32_t p = pieces[i].from; !used[i] && odd(p) && leaving.count(p) > arriving.count(p)) walk(p);

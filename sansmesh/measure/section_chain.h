@@ -1,4 +1,4 @@
-// From loose pieces of curves to curves: shared by the sections of meshes and of fields.
+// Chains the pieces of a section into curves, for meshes and fields.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// A directed piece from one place to another, which are numbered.
+/// A directed piece between two numbered points.
 struct SectionPiece {
   std::uint32_t from, to;
 };
@@ -16,9 +16,9 @@ struct SectionChain {
   bool closed = false;
 };
 
-/// Every piece is used once. Where as many pieces begin as end at every place, all chains are closed. Pieces that run
-/// against the others (of surfaces not oriented consistently) are turned round. In the order of the lowest piece of
-/// each chain, open chains first.
+/// Uses every piece once. If equally many pieces begin and end at every point, all chains are closed. Pieces opposed to
+/// the others (on inconsistently oriented surfaces) are reversed. Ordered by the lowest piece of each chain, open
+/// chains first.
 std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, std::size_t places);
 
 }  // namespace sansmesh::inline v1

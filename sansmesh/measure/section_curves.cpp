@@ -24,7 +24,7 @@ Section make_section(const CutPlane& plane, const std::vector<SectionChain>& cha
       if (line.empty() || line.back() != points[place]) line.push_back(points[place]);
     while (curve.closed && line.size() > 1 && line.back() == line.front()) line.pop_back();
     if (line.size() < (curve.closed ? 3u : 2u)) continue;
-    // Relative to one of the points, so that places far from the origin lose nothing.
+    // Relative to one of the points, for accuracy far from the origin.
     const auto [u0, v0] = line[0];
     for (std::size_t i = 0; i < line.size(); ++i) {
       const auto [u, v] = line[i];

@@ -1,4 +1,4 @@
-// What the sections of meshes and of fields share.
+// Builds a section from chains of points, for meshes and fields.
 #pragma once
 
 #include <array>
@@ -9,9 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// The curves along the chains through `points` (coordinates in the plane), and their measures. Neighbouring points at
-/// the same place become one; closed curves without area that shrink to fewer than three points are dropped, open ones
-/// to fewer than two.
+/// The curves along the chains through `points` (plane coordinates), with their measures. Consecutive coincident points
+/// become one; curves reduced below three points (closed) or two points (open) are dropped.
 Section make_section(const CutPlane& plane, const std::vector<SectionChain>& chains,
                      const std::vector<std::array<double, 2>>& points);
 

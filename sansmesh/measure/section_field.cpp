@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -19,14 +20,14 @@ namespace {
 constexpr std::size_t kTile = 32;    // nodes of a batch in each direction: neighbours evaluate fastest together
 constexpr std::size_t kBatch = 256;  // crossings refined together
 constexpr int kMostSteps = 60;
-constexpr double kTolerance = 1e-12;  // of a lattice edge
+constexpr double kTolerance = 1e-12;  // relative to a lattice edge
 
 struct Rectangle {
   double u0 = INFINITY, v0 = INFINITY, u1 = -INFINITY, v1 = -INFINITY;
   bool has_area() const { return u1 > u0 && v1 > v0; }
 };
 
-/// Around the polygon in which the plane cuts the box: its corners lie on the edges of the box.
+/// Bounding rectangle of the plane's intersection with the box: its corners are on the edges of the box.
 Rectangle cut_of_box(const Box3& box, const CutPlane& plane) {
   Rectangle r;
   const auto add = [&](const Vec3& x) {
@@ -34,14 +35,10 @@ Rectangle cut_of_box(const Box3& box, const CutPlane& plane) {
     r.u0 = std::min(r.u0, u), r.u1 = std::max(r.u1, u);
     r.v0 = std::min(r.v0, v), r.v1 = std::max(r.v1, v);
   };
-  const auto corner = [&](int i) {
-    return Vec3{(i & 1 ? box.upper : box.lower).x, (i & 2 ? box.upper : box.lower).y,
-                (i & 4 ? box.upper : box.lower).z};
-  };
   for (int i = 0; i < 8; ++i)
     for (int bit = 1; bit < 8; bit <<= 1) {
       if (i & bit) continue;
-      const Vec3 a = corner(i), b = corner(i | bit);
+      const Vec3 a = box_corner(box, i), b = box_corner(box, i | bit);
       const double ha = plane.height(a), hb = plane.height(b);
       if (ha == 0) add(a);
       if (hb == 0) add(b);
@@ -59,7 +56,7 @@ class PlaneLattice {
     columns_ = 1 + index_in<std::size_t>(std::ceil((r.u1 - r.u0) / step_ - 1e-9), 0, most);
     rows_ = 1 + index_in<std::size_t>(std::ceil((r.v1 - r.v0) / step_ - 1e-9), 0, most);
     values_.assign(columns_ * rows_, NAN);
-    // Nodes just off the box by rounding belong to it.
+    // Nodes outside the box by rounding belong to it.
     const double slack = 1e-9 * step_;
     const Vec3 margin{slack, slack, slack};
     const Box3 wide{box.lower - margin, box.upper + margin};
@@ -87,7 +84,7 @@ class PlaneLattice {
   std::size_t columns() const { return columns_; }
   std::size_t rows() const { return rows_; }
   std::size_t node(std::size_t i, std::size_t j) const { return j * columns_ + i; }
-  /// NaN outside of the box or the domain.
+  /// NaN outside the box or the domain.
   double value(std::size_t node) const { return values_[node]; }
   std::array<double, 2> place(std::size_t node) const {
     const std::size_t row = node / columns_;
@@ -109,12 +106,12 @@ struct Crossing {
   std::size_t inner, outer;  ///< nodes
 };
 
-/// Where on the edges from inside (0) to outside (1) the field is zero.
+/// Zeros of the field on the edges, as parameters from inside (0) to outside (1).
 void refine(const ScalarField& field, const PlaneLattice& lattice, std::span<const Crossing> edges,
             std::span<double> where) {
   struct Open {
     std::size_t index;
-    double low = 0, high = 1, t, last = 1, before = 1;  ///< bracket, place, the last two steps
+    double low = 0, high = 1, t, last = 1, before = 1;  ///< bracket, parameter, last two steps
   };
   std::vector<Open> open(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -140,7 +137,7 @@ void refine(const ScalarField& field, const PlaneLattice& lattice, std::span<con
       if (values[k] == 0 || !std::isfinite(values[k])) continue;
       (values[k] < 0 ? o.low : o.high) = o.t;
       double next = o.t - values[k] / dot(gradients[k], edge);
-      // Newton's step, if it stays between the signs and is at most half of the last but one; else halves.
+      // Newton's step if it stays in the bracket and is at most half of the last but one; otherwise bisection.
       if (!(next > o.low && next < o.high && std::abs(next - o.t) < 0.5 * o.before)) next = 0.5 * (o.low + o.high);
       o.before = o.last;
       o.last = std::abs(next - o.t);
@@ -151,7 +148,7 @@ void refine(const ScalarField& field, const PlaneLattice& lattice, std::span<con
   }
 }
 
-/// The pieces of curve within the triangles of a lattice, each between crossings of two edges.
+/// The pieces of curves in the triangles of a lattice, each between crossings of two edges.
 class LatticePieces {
  public:
   explicit LatticePieces(const PlaneLattice& lattice) : lattice_(lattice) {
@@ -164,7 +161,7 @@ class LatticePieces {
   }
 
   const std::vector<SectionPiece>& pieces() const { return pieces_; }
-  /// That the pieces' ends lie on.
+  /// Edges with the ends of the pieces.
   const std::vector<Crossing>& edges() const { return edges_; }
 
  private:
@@ -186,7 +183,7 @@ class LatticePieces {
   }
 
   std::uint32_t crossing(std::size_t inner, std::size_t outer) {
-    // An edge is its lower node and one of three directions: right, up, and both.
+    // An edge is its lower node and one of three directions: right, up, diagonal.
     const std::size_t low = std::min(inner, outer), ahead = std::max(inner, outer) - low;
     const std::uint64_t key = 3 * low + (ahead == 1 ? 0 : ahead == lattice_.columns() ? 1 : 2);
     const auto [at, fresh] = known_.try_emplace(key, static_cast<std::uint32_t>(edges_.size()));
@@ -200,7 +197,7 @@ class LatticePieces {
   std::unordered_map<std::uint64_t, std::uint32_t> known_;
 };
 
-/// Where the field is zero on each of the edges, in the plane's coordinates.
+/// Zeros of the field on the edges, in plane coordinates.
 std::vector<std::array<double, 2>> zeros(const ScalarField& field, const PlaneLattice& lattice,
                                          std::span<const Crossing> edges) {
   std::vector<double> where(edges.size());

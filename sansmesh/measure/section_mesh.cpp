@@ -1,51 +1,33 @@
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <unordered_map>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSectionChunk = 1 << 15;
 
-struct PositionHash {
-  std::size_t operator()(const Vec3f& p) const {
-    std::uint64_t h = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t bits;
-      const float value = p[k];
-      std::memcpy(&bits, &value, sizeof bits);
-      h = (h ^ bits) * 0x9E3779B97F4A7C15u;
-      h ^= h >> 29;
-    }
-    return h;
-  }
-};
-
-/// Triangles that have corners on both sides, in ascending order.
+/// Triangles with corners on both sides, in ascending order.
 std::vector<std::uint32_t> cut_triangles(const TriangleMesh& mesh, const Vec3& normal, double offset) {
   const std::size_t n = mesh.vertices.size();
   const auto height = [&](std::uint32_t i) { return dot(normal, Vec3(mesh.vertices[i])) - offset; };
-  std::vector<std::vector<std::uint32_t>> parts((mesh.triangles.size() + kSectionChunk - 1) / kSectionChunk);
-  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kSectionChunk);
-    for (std::size_t i = c * kSectionChunk; i < last; ++i) {
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+    for (std::size_t i = first; i < last; ++i) {
       const Triangle& t = mesh.triangles[i];
       if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
       const double a = height(t[0]), b = height(t[1]), c2 = height(t[2]);
       if (!std::isfinite(a + b + c2)) continue;
       const int above = (a >= 0) + (b >= 0) + (c2 >= 0);
-      if (above == 1 || above == 2) parts[c].push_back(static_cast<std::uint32_t>(i));
+      if (above == 1 || above == 2) found.push_back(static_cast<std::uint32_t>(i));
     }
-  });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  };
+  return parallel_collect<std::uint32_t>(mesh.triangles.size(), kSectionChunk, collect);
 }
 
 }  // namespace
@@ -54,29 +36,29 @@ Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane) {
   const double offset = plane.offset - dot(plane.normal, mesh.origin);
   std::vector<SectionPiece> pieces;
   std::vector<std::array<double, 2>> points;
-  // Corners by position, crossings by the pair of corners.
-  std::unordered_map<Vec3f, std::uint32_t, PositionHash> corners;
-  std::unordered_map<std::uint64_t, std::uint32_t> crossings;
-  for (const std::uint32_t i : cut_triangles(mesh, plane.normal, offset)) {
-    std::uint32_t corner[3];
-    Vec3f at[3];
+  const std::vector<std::uint32_t> cut = cut_triangles(mesh, plane.normal, offset);
+  std::vector<Vec3f> corners;
+  corners.reserve(3 * cut.size());
+  for (const std::uint32_t i : cut)
+    for (const std::uint32_t v : mesh.triangles[i]) corners.push_back(mesh.vertices[v] + Vec3f{});  // turns -0 into 0
+  const std::vector<std::uint32_t> first = first_equal_positions(corners);
+  std::unordered_map<std::uint64_t, std::uint32_t> crossings;  // by the pair of corners
+  for (std::size_t c = 0; c < cut.size(); ++c) {
+    const Vec3f* const at = corners.data() + 3 * c;
+    const std::uint32_t* const corner = first.data() + 3 * c;
     double height[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      at[k] = mesh.vertices[mesh.triangles[i][k]] + Vec3f{};  // turns -0 into 0
-      corner[k] = corners.try_emplace(at[k], static_cast<std::uint32_t>(corners.size())).first->second;
-      height[k] = dot(plane.normal, Vec3(at[k])) - offset;
-    }
+    for (std::size_t k = 0; k < 3; ++k) height[k] = dot(plane.normal, Vec3(at[k])) - offset;
     SectionPiece piece{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::size_t a = k, b = (k + 1) % 3;
       const bool falls = height[a] >= 0 && height[b] < 0, rises = height[a] < 0 && height[b] >= 0;
       if (!falls && !rises) continue;
-      // From the same end for both triangles at the edge.
+      // Interpolate from the same end for both triangles at the edge.
       if (corner[a] > corner[b]) std::swap(a, b);
       const std::uint64_t key = std::uint64_t{corner[a]} << 32 | corner[b];
       const auto [found, fresh] = crossings.try_emplace(key, static_cast<std::uint32_t>(points.size()));
       if (fresh) {
-        // Exact at the ends: a vertex in the plane stays where it is.
+        // Exact at the ends: a vertex in the plane keeps its position.
         const Vec3 p(at[a]), q(at[b]);
         const double t = height[a] / (height[a] - height[b]);
         const Vec3 x = mesh.origin + (height[b] == 0 ? q : p + (q - p) * t);

@@ -1,4 +1,4 @@
-// How far a point lies from a surface, and on which side: the interface.
+// Interface of signed distances to a surface.
 #pragma once
 
 #include <limits>
@@ -10,25 +10,25 @@
 namespace sansmesh::inline v1 {
 
 struct MeasuredPoint {
-  /// Positive outside; NaN where the surface is farther than asked or could not be found.
+  /// Positive outside; NaN where the surface is farther than requested or was not found.
   double distance = std::numeric_limits<double>::quiet_NaN();
-  Vec3 point;           ///< closest of the surface, or nearly so; world coordinates
-  bool border = false;  ///< the closest point lies on the border of an open mesh: the surface ends there
-  bool lost = false;    ///< no surface was found though nothing says that it is far
+  Vec3 point;           ///< closest point of the surface, approximately; world coordinates
+  bool border = false;  ///< the closest point is on the border of an open mesh
+  bool lost = false;    ///< no surface was found, although it may be near
 };
 
-/// A surface to measure from. Coordinates are those of the world.
+/// A surface to measure from, in world coordinates.
 class SignedDistance {
  public:
   virtual ~SignedDistance() = default;
 
-  /// Of the surface.
+  /// Bounding box of the surface.
   virtual Box3 bounds() const = 0;
-  /// false: all distances are positive, since nothing tells the sides apart.
+  /// false: all distances are positive, since the sides are indistinguishable.
   virtual bool has_sides() const { return true; }
-  /// Distances at all of x, one call per batch; neighbours in neighbouring slots go fastest. Sizes must agree. What
-  /// lies farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads: whoever has
-  /// many points cuts them into batches and asks in a loop, since this, unlike a field, has none.
+  /// Distances at all x, one call per batch; spatially ordered points are fastest. Sizes must agree. Distances above
+  /// `farthest` may be NaN; those of non-finite points are. Thread-safe. Unlike a field it has no internal parallelism:
+  /// callers with many points distribute batches in a loop.
   virtual void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const = 0;
 };
 

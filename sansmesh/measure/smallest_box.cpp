@@ -15,22 +15,21 @@ namespace {
 
 using Frame = std::array<Vec3, 3>;
 
-constexpr int kDirections = 512;  ///< in which the outermost points are looked for, and a side of the box is tried
-constexpr std::size_t kRun = 64;  ///< points that are looked at together
+constexpr int kDirections = 512;  ///< directions for outermost points and for sides of the box
+constexpr std::size_t kRun = 64;  ///< points per run
 constexpr int kRounds = 30;
-/// Of so few points all planes through three of them are tried as sides, too.
+/// Up to so many points, all planes through three of them are tried as sides, too.
 constexpr std::size_t kFew = 20;
-/// So many frames are turned on, the best of them by small steps in all directions: all of them where there are not
-/// many points.
+/// Numbers of frames that are rotated, and of the best ones refined by small steps in all directions. Up to kSome
+/// points all frames are used.
 constexpr std::size_t kCandidates = 16, kStepped = 3, kSome = 100;
 /// First and last of these steps (radians).
 constexpr double kFirstStep = 0.2, kLastStep = 1e-3;
-/// Share of the diagonal by which flat boxes are thickened to compare them: of those without a volume the least area
-/// wins.
+/// Padding of flat boxes for comparison, relative to the diagonal: among boxes without volume the smallest area wins.
 constexpr double kPadding = 1e-9;
-/// What is smaller only by such a share is the same.
+/// Relative difference below which volumes are equal.
 constexpr double kSameVolume = 1e-9;
-/// Rounds in which points that reach beyond a box are added to those that it was made for.
+/// Rounds that add points outside a box to those that it was computed for.
 constexpr int kGrown = 8;
 
 /// Evenly spread over a half sphere: a spiral with the golden angle.
@@ -44,8 +43,8 @@ std::vector<Vec3> directions() {
   return result;
 }
 
-/// The points that lie outermost in one of many directions: the first of those that lie equally far. Runs of points,
-/// which mostly lie near each other, are passed over where the box around them is not far out.
+/// Points that are outermost in one of many directions; among equally far ones the first. Runs of points, which are
+/// mostly compact, are skipped if the box around them is not far out.
 std::vector<Vec3> outermost(const std::vector<Vec3f>& points) {
   const std::vector<Vec3> d = directions();
   std::vector<Box3f> boxes((points.size() + kRun - 1) / kRun);
@@ -123,7 +122,8 @@ Span span_along(const std::vector<Point>& points, const Vec3& axis) {
   return s;
 }
 
-double volume_of(const std::vector<Vec3>& points, const Frame& frame, double padding) {
+template <class Point>
+double volume_of(const std::vector<Point>& points, const Frame& frame, double padding) {
   double volume = 1;
   for (const Vec3& axis : frame) {
     const Span s = span_along(points, axis);
@@ -132,8 +132,8 @@ double volume_of(const std::vector<Vec3>& points, const Frame& frame, double pad
   return volume;
 }
 
-/// Turns the frame about its axis `k` so that the rectangle around the shadow of the points is smallest; that has a
-/// side along an edge of the shadow's hull.
+/// Rotates the frame about its axis `k` to the smallest rectangle around the projected points; it has a side along an
+/// edge of their convex hull.
 Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k, double padding) {
   const Vec3 u = frame[(k + 1) % 3], v = frame[(k + 2) % 3];
   std::vector<Point2> shadow;
@@ -165,7 +165,7 @@ struct Candidate {
   double volume;
 };
 
-/// Turns a frame about its axes as long as that makes the box smaller.
+/// Rotates a frame about its axes as long as the box shrinks.
 void settle_box(const std::vector<Vec3>& points, double padding, Candidate& c) {
   for (int round = 0; round < kRounds; ++round) {
     const double before = c.volume;
@@ -184,7 +184,7 @@ Frame rotated(const Frame& frame, const Vec3& axis, double angle) {
   return {u, cross(w, u), w};
 }
 
-/// Looks for a smaller box around, in steps that become smaller: turns about one axis alone get caught in corners.
+/// Searches for a smaller box nearby with decreasing steps: rotations about single axes have local minima.
 void step_around(const std::vector<Vec3>& points, double padding, Candidate& c) {
   for (double step = kFirstStep; step > kLastStep; step *= 0.5) {
     const Candidate from = c;
@@ -205,14 +205,14 @@ void step_around(const std::vector<Vec3>& points, double padding, Candidate& c) 
   }
 }
 
-/// An axis with any two across it.
+/// A frame with the given axis and any two orthogonal to it.
 Frame frame_along(const Vec3& axis) {
   const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalized(cross(axis, other));
   return {axis, u, cross(axis, u)};
 }
 
-/// Directions in which a side of the box may face.
+/// Directions of sides to try.
 std::vector<Vec3> side_directions(const std::vector<Vec3>& points) {
   std::vector<Vec3> all = directions();
   if (points.size() > kFew) return all;
@@ -230,7 +230,7 @@ void sort_by_volume(std::vector<Candidate>& candidates) {
                    [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
 }
 
-/// Frames with small boxes around these points; the upright one and those given are among them if nothing is smaller.
+/// Frames with small boxes around these points; the axis-aligned and the given ones are included if none is smaller.
 std::vector<Candidate> small_boxes(const std::vector<Vec3>& points, std::span<const Frame> given, double padding) {
   const std::vector<Vec3> sides = side_directions(points);
   std::vector<Candidate> tried(sides.size());
@@ -246,7 +246,7 @@ std::vector<Candidate> small_boxes(const std::vector<Vec3>& points, std::span<co
   return all;
 }
 
-/// Adds the points that reach farthest beyond a box around some of them, on each side.
+/// Adds the farthest points outside a box, on each side.
 void add_beyond(const std::vector<Vec3f>& points, const Frame& frame, std::vector<Vec3>& some) {
   for (const Vec3& axis : frame) {
     const Span own = span_along(some, axis);
@@ -278,7 +278,7 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
 
   std::vector<Frame> given{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
   given.insert(given.end(), also.begin(), also.end());
-  // Boxes around the outermost points alone; what reaches beyond the best of them is added, and they settle again.
+  // Boxes around the outermost points alone; points outside the best of them are added, and they are refined again.
   std::vector<Candidate> candidates = small_boxes(outer, given, padding);
   parallel_for(0, candidates.size(), 1, [&](std::size_t i) { settle_box(outer, padding, candidates[i]); });
   sort_by_volume(candidates);
@@ -293,33 +293,25 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
       settle_box(outer, padding, candidates[i]);
     });
   }
-  // Of these and what was given the smallest around all points; as it was given, unless another is smaller.
+  // The smallest of these and the given frames around all points; a given one, unless another is smaller.
   std::vector<Frame> frames = given;
   for (const Candidate& c : candidates) frames.push_back(c.frame);
   Frame best = given[0];
   double least = INFINITY;
   for (const Frame& frame : frames) {
-    double volume = 1;
-    for (const Vec3& axis : frame) {
-      const Span s = span_along(finite, axis);
-      volume *= s.high - s.low + padding;
-    }
+    const double volume = volume_of(finite, frame, padding);
     if (volume < least * (1 - kSameVolume)) least = volume, best = frame;
   }
 
-  // Exactly around all points, which reach a little beyond the outermost ones of the directions tried.
+  // Exactly around all points, which exceed the outermost ones of the directions tried slightly.
   struct Side {
     double size, middle;
     Vec3 axis;
   };
   std::array<Side, 3> sides;
   for (std::size_t k = 0; k < 3; ++k) {
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3f& p : finite) {
-      const double along = dot(best[k], Vec3(p));
-      low = std::min(low, along), high = std::max(high, along);
-    }
-    Vec3 axis = best[k];
+    const auto [low, high] = span_along(finite, best[k]);
+    const Vec3 axis = best[k];
     double middle = 0.5 * (low + high);
     const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
     if (axis.x != -largest && axis.y != -largest && axis.z != -largest)

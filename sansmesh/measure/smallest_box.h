@@ -1,4 +1,4 @@
-// The smallest box around points, however it is turned.
+// Smallest oriented box around points.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// The smallest box around all points that was found, exactly around them: of boxes with a side that faces in one of
-/// 512 directions, or lies on three of the points where these are few, each turned as long as that makes it smaller.
-/// Never larger than the upright one, nor than those along the frames in `also` (orthonormal, right-handed); exact for
-/// boxes, otherwise not necessarily the smallest of all. Points are relative to an origin of the caller's.
-/// Deterministic for any number of threads. Throws DataError if there are no finite points.
+/// The smallest box found around all points, exactly enclosing: among boxes with a side that faces in one of 512
+/// directions, or, for few points, contains three of them; each is then rotated as long as it shrinks. Never larger
+/// than the axis-aligned box, nor than those along the frames in `also` (orthonormal, right-handed); exact for boxes,
+/// otherwise not necessarily the global minimum. Points are relative to an origin chosen by the caller. Deterministic
+/// for any number of threads. Throws DataError if there are no finite points.
 OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::array<Vec3, 3>> also = {});
 
 }  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kLeaf = 4;
 constexpr std::size_t kParallel = 16384;
 
-/// Nodes of a subtree over n triangles: known beforehand, so that both halves can be built at the same time in place.
+/// Number of nodes of a subtree over n triangles, so that both halves can be built concurrently in place.
 std::size_t count_nodes(std::size_t n) { return n <= kLeaf ? 1 : 1 + count_nodes(n / 2) + count_nodes(n - n / 2); }
 
 double squared_distance_to(const Vec3f& lower, const Vec3f& upper, const Vec3& p) {
@@ -23,9 +23,9 @@ double squared_distance_to(const Vec3f& lower, const Vec3f& upper, const Vec3& p
   return sum;
 }
 
-/// Inlined into both functions that use it: the search does not need to know the part.
+/// Inlined into both callers: the search does not need the part.
 inline TrianglePoint locate(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  // Voronoi regions of the corners and edges in turn, then the inside.
+  // Tests the Voronoi regions of corners and edges, then the interior.
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return {a, TrianglePart::a};
@@ -80,7 +80,7 @@ void ClosestTriangle::build(std::vector<Item>& items, const TriangleMesh& mesh, 
                             std::size_t last) {
   Node& self = nodes_[node];
   if (last - first <= kLeaf) {
-    // A fixed order in the leaf whatever the selection algorithm left behind.
+    // A fixed order in the leaf, independent of the selection algorithm.
     std::sort(items.begin() + static_cast<std::ptrdiff_t>(first), items.begin() + static_cast<std::ptrdiff_t>(last),
               [](const Item& x, const Item& y) { return x.triangle < y.triangle; });
     Box3f box;

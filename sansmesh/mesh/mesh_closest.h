@@ -1,4 +1,4 @@
-// The point of a mesh that is closest to a given one.
+// Closest point on a mesh.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// What of a triangle (a, b, c) a point lies on: a corner, an edge without its ends, or the inside.
+/// Part of a triangle (a, b, c): a corner, an edge without its ends, or the interior.
 enum class TrianglePart : std::uint8_t { a, b, c, ab, bc, ca, inside };
 
 struct TrianglePoint {
@@ -17,20 +17,19 @@ struct TrianglePoint {
   TrianglePart part = TrianglePart::a;
 };
 
-/// Closest point of the triangle (a, b, c) to p and where that lies; for triangles without area that of an edge or
-/// vertex (Ericson 2005, section 5.1.5).
+/// Closest point of the triangle (a, b, c) to p and its part of the triangle; for triangles without area that of an
+/// edge or vertex (Ericson 2005, section 5.1.5).
 TrianglePoint locate_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
-/// Only the point.
+/// Same, without the part.
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Built once (parallel), then any number of queries from any thread: a binary tree of boxes over the triangles, halved
-/// at the median. Keeps references to nothing. Triangles with a corner that is not finite or does not exist are left
-/// out.
+/// Built once (parallel), then queried from any thread: a binary tree of boxes over the triangles, split at the median.
+/// Copies the data. Ignores triangles with a corner that is not finite or does not exist.
 class ClosestTriangle {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// Where on the mesh: position relative to the mesh's origin, squared distance, triangle (kNone: the mesh is empty).
+  /// Closest point: position relative to the mesh's origin, squared distance, triangle (kNone for an empty mesh).
   struct Hit {
     Vec3 point;
     double squared_distance = std::numeric_limits<double>::infinity();
@@ -40,17 +39,17 @@ class ClosestTriangle {
   explicit ClosestTriangle(const TriangleMesh& mesh);
 
   bool empty() const { return corners_.empty(); }
-  /// Exact up to rounding. `query` is relative to the mesh's origin. `hint`: the hit of a query nearby, which shortens
-  /// the search; it does not change the distance. A hint without a triangle but with a squared distance asks only for
-  /// what is nearer than that: if nothing is, the answer has no triangle either.
+  /// Exact up to rounding. `query` is relative to the mesh's origin. `hint`: result of a nearby query, which
+  /// accelerates the search without changing the distance. A hint with a squared distance but no triangle limits the
+  /// search to smaller distances: if nothing is closer, the result has no triangle either.
   Hit closest(const Vec3& query, const Hit& hint) const;
   Hit closest(const Vec3& query) const;
 
  private:
   struct Node {
     Vec3f lower, upper;
-    std::uint32_t first = 0;  ///< leaf: its first triangle; inner: its second child (the first follows the node)
-    std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
+    std::uint32_t first = 0;  ///< leaf: its first triangle; inner node: its second child (the first follows the node)
+    std::uint32_t count = 0;  ///< leaf: number of triangles; inner node: 0
   };
   struct Corners {
     Vec3f a, b, c;
@@ -64,7 +63,7 @@ class ClosestTriangle {
   std::vector<Node> nodes_;
   std::vector<Corners> corners_;          ///< in tree order
   std::vector<std::uint32_t> triangles_;  ///< in tree order: index in the mesh
-  std::vector<std::uint32_t> slots_;      ///< of each triangle of the mesh: place in tree order
+  std::vector<std::uint32_t> slots_;      ///< position of each triangle of the mesh in tree order
 };
 
 }  // namespace sansmesh::inline v1

@@ -17,12 +17,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kLostSpacings = 2, kLostNoises = 4, kInventedSpacings = 4;
-/// Most of them: the more within so many spacings. So many places are tried.
+/// Radius in spacings within which far points are counted, and number of tested centres.
 constexpr double kTogether = 30;
 constexpr std::size_t kTriedPlaces = 300;
-constexpr std::size_t kCoverageChunk = 512;  // places that share one chain of hints
+constexpr std::size_t kCoverageChunk = 512;  // number of points per chain of hints
 
-/// Fills in the share of the places that are far, and around which of them most of these lie.
+/// Computes the share of far points, and the one around which most of them are.
 void sum_up(std::span<const Vec3f> places, std::span<const std::uint8_t> is_far, const Vec3& origin, double spacing,
             FarPlaces& result) {
   result.looked_at = places.size();
@@ -41,7 +41,7 @@ void sum_up(std::span<const Vec3f> places, std::span<const std::uint8_t> is_far,
   result.most = origin + Vec3(far[static_cast<std::size_t>(most) * stride]);
 }
 
-/// 1 for the places, moved by `shift`, that are farther than `beyond` from a mesh.
+/// 1 for points, translated by `shift`, that are farther than `beyond` from a mesh.
 std::vector<std::uint8_t> far_from(const ClosestTriangle& mesh, std::span<const Vec3f> places, const Vec3& shift,
                                    double beyond) {
   std::vector<std::uint8_t> is_far(places.size());
@@ -117,11 +117,11 @@ MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples,
 namespace {
 
 constexpr ReportRow kFarPlacesRows[] = {
-    reported<&FarPlaces::share>({.text = "Share of the places that are far", .unit = "share"}),
-    reported<&FarPlaces::looked_at>({.text = "Places that were looked at"}),
-    reported<&FarPlaces::beyond>({.text = "Distance from which on a place is far", .unit = "length"}),
+    reported<&FarPlaces::share>({.text = "Share of far points", .unit = "share"}),
+    reported<&FarPlaces::looked_at>({.text = "Number of tested points"}),
+    reported<&FarPlaces::beyond>({.text = "Distance from which a point is far", .unit = "length"}),
     reported<&FarPlaces::most>(
-        {.name = "most_around", .text = "Place around which most of those lie", .unit = "length"})};
+        {.name = "most_around", .text = "Point around which most far points are", .unit = "length"})};
 
 }  // namespace
 

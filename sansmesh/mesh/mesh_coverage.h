@@ -1,4 +1,4 @@
-// What a mesh leaves out of a cloud and what it makes up, without a truth to compare with.
+// Completeness and spurious parts of a mesh relative to a cloud, without a reference surface.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +14,26 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples farther than this from a mesh have no surface there: two spacings, and four times the noise (lengths).
+/// Distance beyond which a sample has no surface: two spacings, and four times the noise (lengths).
 double lost_beyond(double spacing, double noise);
 
-/// 1 for the samples farther than `beyond` (length) from the mesh, and for all if it has no triangles; 0 for such that
-/// are not finite.
+/// 1 for samples farther than `beyond` (length) from the mesh, and for all finite samples if it has no triangles;
+/// otherwise 0.
 std::vector<std::uint8_t> far_samples(const TriangleMesh& mesh, const PointSet& samples, double beyond);
 
-/// Samples without a surface: farther from the mesh than lost_beyond. Of a
-/// large cloud every so manieth sample is asked, `most` of them at the utmost; such that are not finite are left out.
-/// All of them are lost if the mesh has no triangles.
+/// Samples without a surface: farther from the mesh than lost_beyond. Tests at most `most` finite samples, at equal
+/// steps. All are lost if the mesh has no triangles.
 FarPlaces find_lost(const TriangleMesh& mesh, const PointSet& samples, double spacing, double noise,
                     std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// Surface without samples: farther than four spacings (length) from every sample. Asked at `places` places that are
-/// spread evenly over the area by a fixed rule, so the share is one of the area, and large triangles count by their
-/// parts. None where the mesh has no area.
+/// Surface without samples: farther than four spacings (length) from every sample. Tests `places` points, reproducibly
+/// distributed over the area, so that the share is one of the area and large triangles count by their parts. Empty if
+/// the mesh has no area.
 FarPlaces find_invented(const TriangleMesh& mesh, const PointSet& samples, double spacing, std::size_t places);
 
-/// Both, with the spacing and noise that the samples have. `places` on the mesh, at least 1; every sample is asked.
-/// Origins may differ. The same for any number of threads. Throws DataError if no sample is finite, ArgumentError
-/// naming `samples` for no places.
+/// Both measures, with the estimated spacing and noise of the samples. Tests `places` (>= 1) points on the mesh and all
+/// samples. Origins may differ. Independent of the number of threads. Throws DataError if no sample is finite,
+/// ArgumentError that names `samples` for no points.
 MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t places,
                               Progress& progress);
 

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
@@ -19,19 +21,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kDistanceChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
-
-bool valid(const TriangleMesh& mesh, const Triangle& t) {
-  const std::size_t n = mesh.vertices.size();
-  return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&
-         is_finite(mesh.vertices[t[2]]);
-}
-
-/// Doubled area as a vector: the normal's direction.
-Vec3 doubled_area(const TriangleMesh& mesh, const Triangle& t) {
-  const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-  return cross(b - a, c - a);
-}
+constexpr std::size_t kDistanceChunk = 2048;  // samples per chain of hints: fixed, for reproducibility
 
 struct Samples {
   std::vector<Vec3> positions;  ///< relative to the mesh's origin
@@ -60,14 +50,14 @@ Samples all_points(const TriangleMesh& points) {
 std::vector<Vec3> used_vertices(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> used(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles)
-    if (valid(mesh, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+    if (has_valid_corners(mesh.vertices, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
   std::vector<Vec3> result;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i]) result.emplace_back(mesh.vertices[i]);
   return result;
 }
 
-/// One side, ready to be asked: triangles, or points where there are none.
+/// Search structure of one side: triangles, or points if there are none.
 class Target {
  public:
   explicit Target(const TriangleMesh& mesh) : mesh_(mesh), triangles_(mesh) {
@@ -91,7 +81,7 @@ class Target {
     hint = triangles_.closest(p, hint);
     const double distance = std::sqrt(hint.squared_distance);
     if (!want_normal || hint.triangle == ClosestTriangle::kNone) return {distance, {}};
-    return {distance, Vec3f(normalized(doubled_area(mesh_, mesh_.triangles[hint.triangle])))};
+    return {distance, Vec3f(normalized(doubled_area(mesh_.vertices, mesh_.triangles[hint.triangle])))};
   }
 
  private:
@@ -116,7 +106,8 @@ DistanceSums combine_distances(DistanceSums a, const DistanceSums& b) {
 void add_angle(const Vec3f& a, const Vec3f& b, DistanceSums& sums) {
   const double c = std::clamp(static_cast<double>(dot(a, b)), -1.0, 1.0);
   if (squared_norm(a) == 0 || squared_norm(b) == 0 || std::isnan(c)) return;
-  // For small angles from the sine: the arc cosine of a float near 1 is good to a hundredth of a degree only.
+  // The sine is accurate for small angles: the arc cosine of a float near 1 is accurate only to a hundredth of a
+  // degree.
   const double s = norm(cross(Vec3(a), Vec3(b)));
   sums.signed_angles += std::atan2(s, c);
   sums.angles += std::atan2(s, std::abs(c));
@@ -163,9 +154,7 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
   result.mean = sums.sum / count;
   result.rms = std::sqrt(sums.squares / count);
   result.max = std::max(sums.max, farthest);
-  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(n) * 0.95);
-  std::nth_element(distances.begin(), p95, distances.end());
-  result.p95 = *p95;
+  result.p95 = nth_smallest(distances, static_cast<std::size_t>(static_cast<double>(n) * 0.95));
   if (normals && sums.with_normal > 0) {
     result.angle = sums.angles / sums.with_normal * 180 / std::numbers::pi;
     result.signed_angle = sums.signed_angles / sums.with_normal * 180 / std::numbers::pi;
@@ -176,7 +165,7 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
 struct Side {
   Target target;
   Samples samples;
-  std::vector<Vec3> vertices;  ///< asked for the maximum only
+  std::vector<Vec3> vertices;  ///< used only for the maximum
 };
 
 Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const char* name) {
@@ -187,7 +176,7 @@ Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const cha
     side.vertices = used_vertices(mesh);
   }
   if (!side.samples.positions.empty()) return side;
-  // Points, or triangles that all lack an area.
+  // Points, or only triangles without area.
   side.samples = side.target.is_points() ? all_points(mesh) : Samples{std::move(side.vertices), {}};
   side.vertices.clear();
   return side;
@@ -207,7 +196,7 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   const Side a = prepare(surface, options, "surface"), b = prepare(reference, options, "reference");
 
   SurfaceDistance result;
-  Box3f box;  // of what counts: vertices that no triangle uses do not
+  Box3f box;  // box of used vertices only
   for (const auto* list : {&b.samples.positions, &b.vertices})
     for (const Vec3& p : *list) box.extend(Vec3f(p));
   result.diagonal = norm(Vec3(box.size()));
@@ -225,10 +214,10 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
 namespace {
 
 constexpr ReportRow kOneWayDistanceRows[] = {
-    reported<&OneWayDistance::samples>({.text = "Samples that were measured"}),
+    reported<&OneWayDistance::samples>({.text = "Number of measured samples"}),
     reported<&OneWayDistance::mean>({.text = "Mean distance", .unit = "length"}),
     reported<&OneWayDistance::rms>({.text = "Root mean square of the distances", .unit = "length"}),
-    reported<&OneWayDistance::p95>({.text = "Distance that 95 % of the samples are below", .unit = "length"}),
+    reported<&OneWayDistance::p95>({.text = "95 % quantile of the distances", .unit = "length"}),
     reported<&OneWayDistance::max>({.text = "Largest distance", .unit = "length"}),
     reported<&OneWayDistance::angle>(
         {.name = "angle_deg", .text = "Mean angle between the planes of normals, 0..90", .unit = "degrees"}),

@@ -1,4 +1,4 @@
-// How far two surfaces are from each other.
+// Distances between two surfaces.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,20 @@
 namespace sansmesh::inline v1 {
 
 struct DistanceOptions {
-  /// Samples on each mesh, spread evenly over its area, 1..2^31; of a cloud every point is compared. Maxima include all
-  /// vertices as well.
+  /// Samples per mesh, distributed evenly over its area, 1..2^31; clouds use every point. Maxima also include all
+  /// vertices.
   std::size_t samples = 300000;
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 
-/// Measures both ways. A mesh without triangles is a set of points, whose distance is that to the nearest point: it
-/// does not fall below the half of their spacing, however good the other side is. Origins may differ. Samples are
-/// placed by a fixed rule, so results repeat, for any number of threads. Throws DataError if a side has no finite
-/// points.
+/// Measures both directions. A mesh without triangles is a set of points: distances to its nearest point do not fall
+/// below half of their spacing, however accurate the other side is. Origins may differ. Samples are reproducible for
+/// any number of threads. Throws DataError if a side has no finite points.
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
 
-/// Distances of one way with their shares of the reference's diagonal, for people.
+/// Distances of one direction as text, with their shares of the reference's diagonal.
 std::string distance_words(const OneWayDistance& distance, const SurfaceDistance& both);
 
 }  // namespace sansmesh::inline v1

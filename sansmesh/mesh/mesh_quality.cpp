@@ -1,5 +1,4 @@
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -30,7 +30,7 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, QualitySums& sums
   const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
   if (!(area > 0) || !std::isfinite(area)) return;
   const double aspect = std::min(kLargestAspect, aspect_of(x, y, z, area));
-  // The smallest angle lies opposite the shortest edge; the tangent keeps its accuracy where the cosine is flat.
+  // The smallest angle is opposite the shortest edge; the tangent is accurate where the cosine is flat.
   const double shortest = std::min({x, y, z});
   const Vec3 u = shortest == x ? a - c : shortest == y ? b - a : c - b;
   const Vec3 v = shortest == x ? b - c : shortest == y ? c - a : a - b;
@@ -99,7 +99,7 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
 namespace {
 
 constexpr ReportRow kMeshQualityRows[] = {
-    reported<&MeshQuality::aspect_mean>({.text = "Mean aspect ratio of the triangles: 1 of equilateral ones"}),
+    reported<&MeshQuality::aspect_mean>({.text = "Mean aspect ratio of the triangles: 1 for equilateral ones"}),
     reported<&MeshQuality::aspect_deviation>({.text = "Standard deviation of the aspect ratios"}),
     reported<&MeshQuality::aspect_max>({.text = "Largest aspect ratio"}),
     reported<&MeshQuality::smallest_angle_mean>(

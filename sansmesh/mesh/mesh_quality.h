@@ -1,4 +1,4 @@
-// How well-shaped the triangles of a mesh are, and how much they enclose.
+// Triangle shapes and size of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// l_max P / (4 √3 S); infinite without an area.
+/// Aspect ratio l_max P / (4 √3 S); infinite without an area.
 double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace sansmesh::inline v1

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
@@ -12,10 +13,8 @@ constexpr std::size_t kSizeChunk = 16384;
 }  // namespace
 
 MeshSize measure_size(const TriangleMesh& mesh) {
-  Box3f box;
-  for (const Vec3f& v : mesh.vertices)
-    if (is_finite(v)) box.extend(v);
-  // Volumes are summed relative to the middle, which loses the least to rounding.
+  const Box3f box = finite_bounds(mesh.vertices);
+  // Sums volumes relative to the centre, which minimises rounding errors.
   const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
   const std::size_t n = mesh.vertices.size();
   return parallel_reduce(

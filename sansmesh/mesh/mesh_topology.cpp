@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh::inline v1 {
@@ -17,17 +18,17 @@ constexpr std::size_t kTopologyChunk = 8192;
 
 bool has_area(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-  return squared_norm(cross(b - a, c - a)) > 0;  // false for NaN, too
+  return squared_norm(cross(b - a, c - a)) > 0;  // also false for NaN
 }
 
-/// What is seen from one vertex; each edge is counted at its lower vertex.
+/// Counts at one vertex; each edge is counted at its lower vertex.
 struct Local {
   std::size_t vertices = 0, edges = 0, boundary = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0, inconsistent = 0,
               open = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_edges;
 };
 
-/// One triangle's part in the edge from a vertex to `other`.
+/// Edge from a vertex to `other` in one triangle.
 struct Spoke {
   std::uint32_t other, triangle;
   bool outgoing;
@@ -49,7 +50,7 @@ void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const 
   }
   std::sort(spokes.begin(), spokes.end());
 
-  // Triangles that share an edge at v are in one fan.
+  // Joins triangles that share an edge at v.
   fan.resize(count);
   std::iota(fan.begin(), fan.end(), 0u);
   const auto root = [&](std::uint32_t i) {
@@ -95,7 +96,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles) {
     const bool exists = t[0] < n && t[1] < n && t[2] < n;
     if (!exists || !has_area(mesh, t)) ++result.degenerate_triangles;
-    if (exists && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+    if (exists && has_distinct_corners(t)) triangles.push_back(t);
   }
   result.triangles = triangles.size();
 
@@ -147,23 +148,23 @@ constexpr ReportRow kMeshTopologyRows[] = {
     reported<&MeshTopology::vertices>({.text = "Vertices that triangles use"}),
     reported<&MeshTopology::triangles>({.text = "Triangles with three different corners"}),
     reported<&MeshTopology::unused_vertices>({.text = "Vertices that no triangle uses"}),
-    reported<&MeshTopology::degenerate_triangles>({.text = "Triangles without area or with corners that are one"}),
+    reported<&MeshTopology::degenerate_triangles>({.text = "Triangles without area or with coincident corners"}),
     reported<&MeshTopology::encloses>({.name = "closed", .text = "Whether the triangles enclose a volume"}),
-    reported<&MeshTopology::manifold>({.text = "Whether the surface is one sheet everywhere"}),
+    reported<&MeshTopology::manifold>({.text = "Whether the mesh is manifold"}),
     reported<[](const MeshTopology& r) {
-      return told_if(r.edges > r.boundary_edges + r.nonmanifold_edges, r.oriented());
+      return value_if(r.edges > r.boundary_edges + r.nonmanifold_edges, r.oriented());
     }>({.name = "oriented",
-        .text = "Whether neighbouring faces agree on their sides; nothing where no two share an edge"}),
+        .text = "Whether neighbouring faces are consistently oriented; absent if no two share an edge"}),
     reported<&MeshTopology::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&MeshTopology::boundary_loops>({.text = "Connected sets of these: holes"}),
+    reported<&MeshTopology::boundary_loops>({.text = "Connected sets of boundary edges: holes"}),
     reported<&MeshTopology::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&MeshTopology::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&MeshTopology::nonmanifold_vertices>({.text = "Vertices whose triangles form several fans"}),
     reported<&MeshTopology::components>({.text = "Connected parts"}),
     reported<&MeshTopology::largest_component>({.text = "Triangles of the largest part"}),
     reported<&MeshTopology::euler>({.text = "Vertices − edges + triangles"}),
-    reported<&MeshTopology::genus>({.text = "Handles of all parts together, where they have a meaning"})};
+    reported<&MeshTopology::genus>({.text = "Total number of handles, if defined"})};
 
 }  // namespace
 

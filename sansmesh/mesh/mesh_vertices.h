@@ -1,5 +1,5 @@
-// Vertices of a mesh with all that belongs to them: copies, new ones between two, fewer. What an operation on meshes
-// does to vertices it does through these, and no array is forgotten. Triangles are the caller's.
+// Operations on the vertices of a mesh with all their attributes: copies, interpolation, selection. Mesh operations use
+// them so that no array is missed. Callers update the triangles.
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,21 @@
 
 namespace sansmesh::inline v1 {
 
-/// In tables of numbers of vertices: none.
+/// Marks a missing vertex in tables of indices.
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
 
 /// Appends a copy of a vertex; returns its index.
 std::uint32_t append_vertex_copy(TriangleMesh& mesh, std::uint32_t v);
 
-/// Appends a vertex at `position` with (1 − t) of what belongs to a and t of what belongs to b, 0 ≤ t ≤ 1 (normals
-/// unit again, colours rounded, attributes as AttributeTable says); returns its index.
+/// Appends a vertex at `position` that interpolates the properties of a and b with weights (1 − t) and t, 0 ≤ t ≤ 1
+/// (normals renormalised, colours rounded, attributes as in AttributeTable); returns its index.
 std::uint32_t append_vertex_between(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, float t,
                                     const Vec3f& position);
 
-/// Appends vertices of another mesh. Arrays that `mesh` has and `from` has not are filled up with zeros, attributes
-/// with what is unknown.
+/// Appends vertices of another mesh. Arrays missing in `from` are filled with zeros, attributes with unknown values.
 void append_vertices(TriangleMesh& mesh, const TriangleMesh& from, std::span<const std::uint32_t> vertices);
 
-/// Vertex i is what vertex vertices[i] was.
+/// Replaces the vertices: vertex i becomes the former vertex vertices[i].
 void take_vertices(TriangleMesh& mesh, std::span<const std::uint32_t> vertices);
 
 }  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Edges that are open although they belong to two triangles or more.
+/// Open edges of two or more triangles.
 std::size_t contradicting(const MeshTopology& t) { return t.open_edges - t.boundary_edges; }
 
 std::string contradiction(const MeshTopology& t) {

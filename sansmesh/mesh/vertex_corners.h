@@ -1,4 +1,4 @@
-// Which triangles meet in a vertex.
+// Triangles around each vertex.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// So many triangles have corners that 32 bits count.
+/// Largest number of triangles whose corners 32 bits can count.
 constexpr std::size_t kMostTriangles = 0xffffffff / 3;
 
-/// The corners (3·triangle + k) at vertex v: corner[first[v] .. first[v + 1]], in ascending order. Throws DataError for
-/// more than kMostTriangles.
+/// Corners (3·triangle + k) at vertex v: corner[first[v] .. first[v + 1]], ascending. Throws DataError for more than
+/// kMostTriangles.
 struct VertexCorners {
   std::vector<std::uint32_t> first, corner;
 

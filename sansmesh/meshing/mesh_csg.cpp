@@ -29,45 +29,44 @@ namespace {
 
 constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
-/// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
+/// Parts with a resolution of their own use cells of that size, down to this fraction of the usual ones.
 constexpr double kFinestShare = 4;
-/// Cells across the thinnest parts; with fewer than the least, parts may be missing. Where cells below the usual ones
-/// would take more than so many blocks, as for walls, they are twice as large.
+/// Cells across the thinnest parts; below the least number, parts may be missing. Where cells below the usual size
+/// would take more than kMostBlocks blocks, as for walls, they are twice as large.
 constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
-/// Default quadric error, in cells: a tenth of what curved parts are off anyway.
+/// Default quadric error in cells: a tenth of the error of curved parts.
 constexpr double kCsgSimplify = 9.5e-4;
-/// By default nothing is simplified where a smaller share of the vertices could go: otherwise the time would be spent
-/// in vain.
+/// By default, simplification is skipped if it could remove a smaller fraction of the vertices, which would not justify
+/// its time.
 constexpr double kCsgLeastGain = 0.05;
-/// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
+/// A block is flat if it departs from a plane by at most this fraction of the simplification error.
 constexpr double kFlat = 0.5;
 constexpr double kRounding = 1.0001;
-/// Where blocks of two sizes meet, vertices begin farther from the surface than two steps as long as their triangles
-/// may lead.
+/// Where blocks of two sizes meet, vertices start farther from the surface than two steps of the size of their
+/// triangles reach.
 constexpr int kRootSteps = 3;
 
-/// Default mesh error, as a share of the box's diagonal.
+/// Default mesh error over the box's diagonal.
 constexpr double kCsgMeshError = 2e-5;
-/// Quadric error with which triangles are that far off on average.
+/// Quadric error, over the mean error of the resulting triangles.
 constexpr double kQuadricShare = 1.5;
-/// Surfaces that coincide but for this share of the diagonal are the same: far more than values are rounded by, and
-/// less than floats resolve.
+/// Surfaces that coincide within this fraction of the diagonal are identical: far above the rounding of values, below
+/// the resolution of float.
 constexpr double kTie = 4e-10;
-/// Components of fewer cells across than this are doubtful.
+/// Components of fewer cells across are suspicious.
 constexpr double kSpeck = 6;
 constexpr double kFlatShareOfThickness = 1e-4;
 constexpr std::size_t kMostPieceBlocks = 3'000'000;
-/// Change of the volume by the rounding of coordinates to floats from which on the mesh would mislead, as a share.
+/// Relative change of the volume by rounding to float above which the mesh is rejected.
 constexpr double kMostRoundedAway = 0.01;
 
-/// Less across than this, as a share of the distance from the origin, values are rounded to what is larger than the
-/// mesh error.
+/// Extent over distance from the origin below which values are rounded by more than the mesh error.
 constexpr double kResolvedShare = 1e-11;
 
 double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
 
-/// Where to look, or an error that says why nowhere.
+/// The box to search, or an error that explains why there is none.
 Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   Box3 box = solid.bounds();
   if (options.box)
@@ -83,32 +82,30 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
         endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
   if (!endless.empty())
     throw ArgumentError(fmt::format(
-        "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
-        endless));
+        "the solid may be unbounded in the directions {}: intersect it with a box, or clip it with `box`", endless));
   for (std::size_t k = 0; k < 3; ++k)
     if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestCoordinate)
       throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
                                       std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  const char* const what = options.box ? "what is left of the solid inside the box" : "the solid";
+  const char* const what = options.box ? "the part of the solid inside the box" : "the solid";
   if (longest < kSmallestExtent)
-    throw DataError(fmt::format("{} is {:.3g} across: too small for a mesh, which begins at {:.0g}", what, longest,
-                                kSmallestExtent));
+    throw DataError(
+        fmt::format("{} is {:.3g} across: too small for a mesh; the least is {:.0g}", what, longest, kSmallestExtent));
   const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
   if (longest < kResolvedShare * away)
     throw DataError(
-        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far to be told from a point; move it "
+        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far away to be resolved; move it "
                     "closer",
                     what, longest, away));
   return box;
 }
 
-/// Where the surface may be, found on a coarse grid.
+/// Region of the surface, found on a coarse grid.
 struct Reached {
-  Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
-             ///< begin with
-  /// Smallest blocks that a part with a known resolution needs; infinite: there is no such part.
+  Box3 box;  ///< smaller than that of the field: the bounds of a difference are those of its first operand
+  /// Smallest blocks that a part with a known resolution needs; infinite: no such part.
   double detail = std::numeric_limits<double>::infinity();
 };
 
@@ -133,7 +130,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<
     if (detail > 0) reached.detail = std::min(reached.detail, detail);
   }
   if (reached.box.empty()) throw DataError("the solid is empty");
-  for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
+  for (std::size_t k = 0; k < 3; ++k) {  // without rounding where nothing was excluded
     reached.box.lower[k] = std::max(reached.box.lower[k], box.lower[k]);
     reached.box.upper[k] = std::min(reached.box.upper[k], box.upper[k]);
   }
@@ -142,12 +139,12 @@ Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<
 
 /// Edges of blocks.
 struct Cells {
-  double smooth;  ///< on curved parts of which nothing else is known
+  double smooth;  ///< on curved parts without further information
   double usual;   ///< along creases; at most `smooth`
-  double thin;    ///< along creases, as thin parts need it: `usual`, or a half, a quarter … of it
+  double thin;    ///< along creases of thin parts: `usual`, or a half, a quarter … of it
 };
 
-/// The cell that was asked for.
+/// The requested cell.
 double checked_cell(const CsgMeshOptions& options, const Vec3& size, double longest) {
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
@@ -163,7 +160,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
   if (!(longest > 0)) throw DataError("the solid has no extent");
   if (!options.cell && !options.resolution) {
     const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
-    // Blocks of one size, where nothing will be collapsed, stay as they always are.
+    // Blocks of one size, without simplification, are independent of the parts.
     if (options.simplify.value_or(1) == 0) return {cell, cell, cell};
     const double least = cell / kFinestShare, usual = std::clamp(reached.detail, least, cell);
     double thin = usual;
@@ -184,10 +181,10 @@ void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
 
 struct Blocks {
   BlockTree tree;
-  double cell;  ///< edge of the smallest
+  double cell;  ///< edge of the smallest block
 };
 
-/// Blocks as small as thin parts need them, or nearly, if those are not too many and small enough to show such parts.
+/// Blocks as small as thin parts need, or nearly, if they are not too many and small enough to resolve such parts.
 Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
                          CreaseBlockOptions sizes, Progress& progress) {
   for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)
@@ -197,14 +194,14 @@ Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cel
   return {crease_blocks(field, box, sizes, progress), sizes.cell};
 }
 
-/// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
+/// Clips a solid by intersection, so that the cut faces have crease edges.
 Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
 
 std::string too_thin_for(double cell, double thickness) {
   return fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
 }
 
-/// Parts of the mesh that are only a few cells large may be none of the solid.
+/// Warns of components that are only a few cells large and may not belong to the solid.
 void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
   if (r.components < 2) return;
   const MeshComponents components = find_components(mesh);
@@ -226,7 +223,7 @@ void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
         at.z));
 }
 
-/// As an error: parts that are hidden by others count, too, since nothing tells.
+/// As an error: thin parts hidden by others count too, because they cannot be distinguished.
 std::string too_thin_for_default(const Box3& box, double cell, double thickness) {
   const Vec3 size = box.size();
   const double finer = 0.9 * thickness;
@@ -237,7 +234,7 @@ std::string too_thin_for_default(const Box3& box, double cell, double thickness)
       thickness, cell, may_be_had ? fmt::format("`cell = {:.2g}`, or ", finer) : "", cell);
 }
 
-/// What becomes of it after it was cut out.
+/// Postprocessing of the extracted mesh.
 void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r) {
   MeshReport chosen;
   detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,
@@ -278,7 +275,7 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
   if (found.unresolved > 0 && thickness < pieces.cell) r.warnings.push_back(too_thin_for(pieces.cell, thickness));
   if (mesh.triangles.empty())
     throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
-                           : "the solid is empty, or thinner than numbers can tell");
+                           : "the solid is empty, or thinner than double precision resolves");
   if (found.unsimplified && pieces.simplify > 0)
     r.warnings.push_back(fmt::format(
         "the mesh has all {} triangles that were cut out: with fewer it would go through itself; a smaller mesh error "
@@ -342,26 +339,24 @@ const OptionSchema& CsgMeshOptions::schema() {
                               .unit = "length",
                               .from_data = "a 50,000th of the box's diagonal; with functions less",
                               .range = positive()}),
-      option<&O::triangles>({.text = "At most this many triangles; `mesh_error` then follows from it",
+      option<&O::triangles>({.text = "Largest number of triangles; `mesh_error` then follows from it",
                              .unit = "count",
                              .range = at_least(4)}),
       option<&O::resolution>(
-          {.text = "Instead: cells along the longest side of the box",
+          {.text = "Number of cells along the longest side of the box, instead of `cell`",
            .unit = "count",
-           .from_data = "as small as the mesh error and thin parts ask for; with functions the box's diagonal has 256, "
-                        "up to 1024",
+           .from_data = "from the mesh error and thin parts; with functions 256 to 1024 on the box's diagonal",
            .range = {4, kMostCells}}),
-      option<&O::cell>(
-          {.text = "Edge of the cells instead", .unit = "length", .range = positive(), .excludes = "resolution"}),
-      option<&O::box>({.text = "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids", .unit = "box"}),
-      option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
+      option<&O::cell>({.text = "Edge of the cells", .unit = "length", .range = positive(), .excludes = "resolution"}),
+      option<&O::box>({.text = "Clip to this box: x0,y0,z0,x1,y1,z1; required for unbounded solids", .unit = "box"}),
+      option<&O::simplify>({.text = "Simplify where the surface is flat to within this; 0: off",
                             .unit = "length",
-                            .from_data = "as the mesh error asks for",
+                            .from_data = "from the mesh error",
                             .range = at_least(0)}),
-      option<&O::components>({.text = "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, "
-                                      "largest or a number",
-                              .unit = "choice",
-                              .from_data = "auto with functions, otherwise all"})};
+      option<&O::components>(
+          {.text = "Components to keep: auto (at least 1.5 % of the largest one's area), all, largest or a number",
+           .unit = "choice",
+           .from_data = "auto with functions, otherwise all"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -397,7 +392,7 @@ namespace {
 
 constexpr ReportRow kCsgMeshReportRows[] = {
     reported<[](const CsgMeshReport& r) { return r.box.lower; }>(
-        {.name = "box.lower", .text = "Lower corner of the box in which the surface lies", .unit = "length"}),
+        {.name = "box.lower", .text = "Lower corner of the bounding box of the surface", .unit = "length"}),
     reported<[](const CsgMeshReport& r) { return r.box.upper; }>(
         {.name = "box.upper", .text = "Upper corner of that box", .unit = "length"}),
     reported<&CsgMeshReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),

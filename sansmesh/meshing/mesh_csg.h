@@ -1,4 +1,4 @@
-// Front door to meshes of solids: a field of pieces in, a closed mesh with its creases as edges out.
+// Closed meshes of solids with their creases as edges.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// The surface of a solid. What is minima and maxima of smooth functions (PiecewiseField::expression) has walls of any
-/// thickness. Else `solid` is about a distance: blocks whose centre is farther from zero than half their
-/// diagonal (one and a half times that if the field's gradients are not known to be 1 at most) are not cut finer, below
-/// 32 blocks along the box, nor are those of which its survey() says that they need not be (crease_blocks.h). Its
-/// bounds() must be finite, or `options.box` given: else ArgumentError. Throws DataError if no surface is found, and
-/// where parts are too thin to be shown without a `cell`. Deterministic for any number of threads.
+/// The surface of a solid. Minima and maxima of smooth functions (PiecewiseField::expression) may have walls of any
+/// thickness. Otherwise `solid` must approximate a distance. Below 32 blocks along the box, a block is then not divided
+/// if its centre is farther from zero than half its diagonal (one and a half times that if the gradient's norm is not
+/// known to be at most 1), or if survey() reports that it need not be (crease_blocks.h). bounds() must be finite unless
+/// `options.box` is given, else ArgumentError. Throws DataError if no surface is found, and where parts are too thin to
+/// resolve without a `cell`. Deterministic for any number of threads.
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 

@@ -16,42 +16,40 @@ constexpr std::string_view kComponents[] = {"auto", "all", "largest"};
 
 constexpr OptionRow kRows[] = {
     option<&MeshOptions::components>(
-        {.text = "Parts to keep: auto (those that enough samples stand for), all, largest or a number",
+        {.text = "Components to keep: auto (those with enough samples), all, largest or a number",
          .usual_words = kComponents}),
-    option<&MeshOptions::fill_holes>({.text = "Where the surface ends with its samples: close holes up to so wide",
+    option<&MeshOptions::fill_holes>({.text = "Close holes of an open surface up to this width",
                                       .unit = "length",
                                       .from_data = "gaps between scan lines",
                                       .range = at_least(0)}),
-    option<&MeshOptions::trim>({.text = "Cut the surface off where no sample is as near as this; 0: from data",
+    option<&MeshOptions::trim>({.text = "Remove the surface farther than this from all samples; 0: from data",
                                 .unit = "length",
                                 .range = at_least(0),
                                 .implied = "0"}),
     option<&MeshOptions::confidence>(
-        {.text = "Write how far each vertex is from the nearest sample, and its confidence, 0 to 1",
+        {.text = "Write each vertex's distance to the nearest sample and its confidence, 0 to 1",
          .from_data = "if the surface is open",
-         .negative_text = "Do not write that"}),
+         .negative_text = "Do not write distance and confidence"}),
     option<&MeshOptions::measure_quality>(
         {.text = "Print aspect ratios of the triangles before and after enhancement", .name = "quality"}),
-    option<&MeshOptions::box>(
-        {.text = "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1", .unit = "length"}),
+    option<&MeshOptions::box>({.text = "Clip to this box: x0,y0,z0,x1,y1,z1", .unit = "length"}),
     option<&MeshOptions::mesher>(
-        {.text = "Whole blocks, enhanced; or the walk of the paper from simplex to simplex, as it is; auto: the walk "
-                 "for a fit as the paper has it, else blocks",
+        {.text = "blocks: marching whole blocks, with enhancement; walk: the paper's walk from simplex to simplex; "
+                 "auto: walk for a fit by the paper's method, else blocks",
          .choices = kMeshers}),
-    option<&MeshOptions::mesh_error>({.text = "Mean distance accepted between mesh and surface: larger is coarser",
+    option<&MeshOptions::mesh_error>({.text = "Accepted mean distance between mesh and surface",
                                       .unit = "length",
                                       .from_data = "from data",
                                       .range = positive()}),
-    option<&MeshOptions::triangles>(
-        {.text = "Simplify until there are no more triangles than this", .range = at_least(4)}),
-    option<&MeshOptions::block_depth>({.text = "Deepest level of the blocks cut: coarser",
+    option<&MeshOptions::triangles>({.text = "Simplify to at most this number of triangles", .range = at_least(4)}),
+    option<&MeshOptions::block_depth>({.text = "Deepest level of the blocks; a smaller one is coarser",
                                        .unit = "level",
                                        .from_data = "from the function",
                                        .range = {kLeastDepth, kMostDepth},
                                        .old_name = "depth"}),
     option<&MeshOptions::enhance>({.text = "No clustering, smoothing or simplification of triangles"}),
     option<&MeshOptions::displacement>(
-        {.text = "With `enhance = false`, or the walk: lattice steps back from the surface",
+        {.text = "With `enhance = false`, or the walk: displacement of lattice vertices from the surface",
          .unit = "ratio",
          .range = {0, 1, false, true}}),
     option<&MeshOptions::carry_colors>({.text = "Leave out the samples' colours", .negative = "no_colors"})};
@@ -86,7 +84,7 @@ void MeshOptions::validate() const {
     if (!ok) throw ArgumentError(what);
   };
   validate_options(*this);
-  check(!triangles || enhance, "`triangles` does not go with `enhance = false`");
+  check(!triangles || enhance, "`triangles` cannot be combined with `enhance = false`");
   check(displacement == 0 || !enhance || mesher != Mesher::blocks,
         "`displacement` needs `enhance = false`: clustering undoes it");
   if (mesher == Mesher::walk) validate_walk();
@@ -97,7 +95,7 @@ void MeshOptions::validate() const {
 
 void MeshOptions::validate_walk() const {
   const auto unset = [](bool ok, const char* field) {
-    if (!ok) throw ArgumentError(fmt::format("`{}` means nothing to a walk; it goes with `mesher = blocks`", field));
+    if (!ok) throw ArgumentError(fmt::format("a walk does not use `{}`; it needs `mesher = blocks`", field));
   };
   unset(!mesh_error, "mesh_error");
   unset(!triangles, "triangles");
@@ -108,19 +106,19 @@ void MeshOptions::validate_walk() const {
 
 namespace {
 
-/// Aspect ratios are 1 at least where they were measured.
-std::optional<double> if_measured(const MeshReport& r, double ratio) { return told_if(r.aspect_mean > 0, ratio); }
+/// Measured aspect ratios are at least 1.
+std::optional<double> if_measured(const MeshReport& r, double ratio) { return value_if(r.aspect_mean > 0, ratio); }
 
 constexpr ReportRow kMeshReportRows[] = {
-    reported<[](const MeshReport& r) { return told_if(r.simplices > 0, r.simplices); }>(
-        {.name = "simplices", .text = "Simplices that a walk went through; nothing without one"}),
+    reported<[](const MeshReport& r) { return value_if(r.simplices > 0, r.simplices); }>(
+        {.name = "simplices", .text = "Simplices visited by a walk; absent without one"}),
     reported<&MeshReport::blocks>({.text = "Blocks"}),
     reported<&MeshReport::block_depth>({.text = "Deepest level of the tree of blocks"}),
     reported<&MeshReport::lost>(
-        {.name = "lost_share", .text = "Share of the samples that have no surface", .unit = "share"}),
+        {.name = "lost_share", .text = "Share of the samples without a surface", .unit = "share"}),
     reported<&MeshReport::components>({.name = "components", .text = "Connected parts of the mesh"}),
     reported<&MeshReport::mesh_error>(
-        {.name = "output.mesh_error", .text = "Distance between mesh and surface that was aimed at", .unit = "length"}),
+        {.name = "output.mesh_error", .text = "Target distance between mesh and surface", .unit = "length"}),
     reported<[](const MeshReport& r) { return if_measured(r, r.aspect_mean_before); }>(
         {.name = "aspect_ratio.mean_before", .text = "Mean aspect ratio before enhancement"}),
     reported<[](const MeshReport& r) { return if_measured(r, r.aspect_deviation_before); }>(

@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -20,28 +20,27 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Components go, unless all are asked for, that are small, or whose samples stand for less than this share of their
-/// own area (a part may well be scanned more sparsely than others).
+/// Small components are removed, and those whose samples support less than this fraction of their area (a part may be
+/// scanned more sparsely than others).
 constexpr double kSupported = 0.02;
-/// Samples that are enough to tell the components' shares.
+/// Number of samples that suffice to estimate the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
-/// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
+/// On open surfaces, a component with this many samples is kept.
 constexpr double kSeen = 5;
-/// Nor is, of a mesh, one that so many samples stand for, for no less than this share of its area, and without
-/// which so many would be far from the surface: where every sample lies on a face, these are a small solid, or the tip
-/// of a thin one. Of a cloud they might be strays.
+/// For samples of mesh faces, a component is also kept if this many samples support at least this fraction of its area
+/// and would otherwise be far from the surface: a small solid, or the tip of a thin one. In a cloud they might be stray
+/// samples.
 constexpr double kSolid = 8, kOfSamples = 0.25;
-/// Above this share of the samples without a surface a warning says so, and where most of them are.
+/// Fraction of samples without a surface above which a warning is given.
 constexpr double kMuchLost = 0.01;
-/// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
-/// asked for.
+/// Quadric error of the simplification over the mesh error: by default, and for a requested mesh error.
 constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
-/// By default a large mesh is left alone of which fewer than this share of the vertices could go at first: one that is
-/// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
+/// By default, large meshes are not simplified if fewer than this fraction of the vertices could be removed initially:
+/// they are fine because the surface is curved everywhere, and simplification would take as long as all other steps.
 constexpr double kLeastGain = 0.35;
 constexpr std::size_t kManyBlocks = 100000;
 
-/// For each of n places the component nearest to it.
+/// For each of n points the component nearest to it.
 std::vector<std::uint32_t> nearest_components(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
                                               const std::function<Vec3f(std::size_t)>& at) {
   std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
@@ -56,7 +55,7 @@ std::vector<std::uint32_t> nearest_components(const TriangleMesh& mesh, const Me
   return nearest;
 }
 
-/// Every so manieth sample, and the component nearest to it.
+/// A regular subset of the samples, with the nearest component of each.
 struct SampledComponents {
   std::size_t stride = 1;
   std::vector<std::uint32_t> nearest;
@@ -70,7 +69,7 @@ SampledComponents sample_components(const TriangleMesh& mesh, const MeshComponen
                                      [&](std::size_t i) { return points.positions[i * stride] + shift; })};
 }
 
-/// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
+/// Supported area of each component: the number of samples nearest to it times the area that each represents.
 std::vector<double> supported_area(const SampledComponents& samples, std::size_t components, double spacing) {
   std::vector<std::size_t> count(components, 0);
   for (const std::uint32_t c : samples.nearest) ++count[c];
@@ -80,7 +79,7 @@ std::vector<double> supported_area(const SampledComponents& samples, std::size_t
   return area;
 }
 
-/// Adds what samples of faces would be lost without to the components chosen.
+/// Adds components without which samples of faces would have no surface.
 void choose_solids(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points, double spacing,
                    const SampledComponents& samples, const std::vector<double>& supported,
                    std::vector<std::uint8_t>& chosen) {
@@ -131,12 +130,9 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     samples = sample_components(mesh, components, points);
     supported = supported_area(samples, count, spacing);
   }
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return supported[a] > supported[b]; });
   std::size_t kept = 0;
   std::vector<std::uint8_t> chosen(count, 0);
+  const std::vector<std::uint32_t> order = largest_first(supported);
   for (const std::uint32_t k : order) {
     const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
@@ -180,9 +176,9 @@ PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error,
   meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
   meshing.creases = creases;
   meshing.displacement = options.displacement;
-  // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
-  // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
-  // where a coarse mesh is asked for, it is made from a finer one.
+  // Blocks have power-of-two sizes and isotropic triangles; only edge collapses adapt the triangles to the surface.
+  // Elsewhere they cost more time than they save, so by default only the cheap ones run. A requested coarse mesh is
+  // made from a finer one.
   if (options.enhance) {
     meshing.simplify = (options.mesh_error ? kCoarseSimplify : kSimplify) * mesh_error;
     meshing.triangles = options.triangles.value_or(0);
@@ -216,7 +212,7 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
 void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const LocalFrame& frame,
                      const MeshOptions& options, const MeshReport& r) {
   if (!options.confidence.value_or(r.open && points.size() > 0)) return;
-  if (points.size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+  if (points.size() == 0) throw DataError("confidence needs the samples, which were not kept");
   std::vector<float> distance(mesh.vertices.size()), confidence(mesh.vertices.size());
   const Vec3f shift(mesh.origin - points.origin);
   std::vector<Vec3f> x = mesh.vertices;
@@ -244,7 +240,7 @@ void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, dou
   choose_components(mesh, options.components, points, spacing, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
-  // A mesh that is meant to be coarse is far from its samples everywhere.
+  // A deliberately coarse mesh is far from its samples everywhere.
   if (!options.box && !options.triangles && !options.block_depth && !options.trim)
     report_lost(mesh, points, spacing, std::max(noise, mesh_error), r);
   if (options.measure_quality) {

@@ -1,4 +1,4 @@
-// The steps from a field to a finished mesh that the front doors share; not part of the public interface.
+// Steps from a field to a finished mesh, shared by the meshing entry points.
 #pragma once
 
 #include <cstddef>
@@ -19,50 +19,50 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// A component of a mesh is small if its samples (or, without samples, its area) are less than this share of those of
-/// the largest one.
+/// A component is small if its samples (or, without samples, its area) are less than this fraction of the largest
+/// component's.
 constexpr double kSmallComponent = 0.015;
 
-/// How to cut out a mesh that is `mesh_error` (length of the field) off on average.
+/// Polygonization options for a mean error of `mesh_error` (length of the field).
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
 
-/// Whether cut_out leaves a mesh of so many blocks alone that simplification would gain little for.
+/// Whether cut_out skips simplification if it would gain little for a mesh of this many blocks.
 bool may_skip_simplification(std::size_t blocks, const MeshOptions& options);
 
-/// For each component the number of places nearest to it: at(i), relative to the mesh's origin, for i < n.
+/// For each component the number of points nearest to it; at(i), i < n, is relative to the mesh's origin.
 std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
                                        const std::function<Vec3f(std::size_t)>& at);
 
-/// Cuts it out; fills in the number of blocks and, if asked for, the quality before enhancement.
+/// Extracts the mesh and reports the number of blocks and, on request, the quality before enhancement.
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
                      PolygonizeOptions meshing, Progress& progress, MeshReport& r);
 
-/// 1 for the components that choose_components keeps. `open`: some of the surface ends where its samples do, where
-/// parts are judged by their samples alone, however small they are beside the largest one.
+/// 1 for the components that choose_components keeps. `open`: part of the surface ends where its samples end;
+/// components are then judged by their samples alone, independent of the largest one's size.
 std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const MeshComponents& components,
                                             const ComponentChoice& choice, const PointSet& points, double spacing,
                                             bool open);
 
-/// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
-/// counts is the area that samples stand for; automatically, components go that have little of it.
+/// Keeps the chosen components. Stray samples far from the shape can produce sheets larger than parts of it. The
+/// criterion is therefore the area that samples support; `automatic` drops components that have little of it.
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
                        MeshReport& report);
 
-/// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
+/// Vertices take the mean colour of the four nearest samples, weighted by inverse squared distance.
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
 
-/// Fills in the attributes of `confidence`, if they are wanted; in the coordinates of the field, which lie so in the
-/// input. Throws DataError if they were asked for and there are no samples.
+/// Adds the attributes of `confidence` on demand; distances are converted from the field's to the input's coordinates.
+/// Throws DataError if they were requested and there are no samples.
 void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const LocalFrame& frame,
                      const MeshOptions& options, const MeshReport& r);
 
-/// Fills in which samples have no surface.
+/// Reports the samples without a surface.
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report);
 
-/// What a warning says of them, if there are many; `most_lost` in the input.
+/// Warning about samples without a surface, if there are many; `most_lost` in input coordinates.
 std::string lost_samples(const MeshReport& report);
 
-/// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
+/// Chooses the components, transfers the colours and computes the report. Throws DataError if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const MeshOptions& options, MeshReport& r);
 

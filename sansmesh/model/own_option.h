@@ -1,4 +1,4 @@
-// Options that one surface has and SurfaceOptions no field for: what a program adds with a surface of its own.
+// Options of a single surface method, which a program adds together with the method.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// A name as an argument of a template.
+/// A name as a template argument.
 template <std::size_t n>
 struct OptionName {
   char text[n] = {};
@@ -22,9 +22,9 @@ struct OptionName {
   constexpr operator std::string_view() const { return {text, n - 1}; }
 };
 
-/// An option of a surface, kept in SurfaceOptions::own under its name, which begins with the surface's. `usual` is its
-/// value where nobody sets it, and tells its kind: a bool, a whole or a real number, or an enumerator, whose words are
-/// the `choices`.
+/// An option of a surface, stored in SurfaceOptions::own under its name, which begins with the surface's. `usual` is
+/// its default and determines its type: a bool, a whole or a real number, or an enumerator, whose words are the
+/// `choices`.
 ///
 ///   constexpr OwnOption<"shepard_neighbours", 10> kNeighbours({.text = "Samples in a mean", .range = {3, 50}});
 ///   constexpr OptionRow kOwn[] = {kNeighbours};  // SurfaceMethod::own
@@ -46,7 +46,7 @@ class OwnOption {
   // NOLINTNEXTLINE(google-explicit-constructor): a row of SurfaceMethod::own
   constexpr operator OptionRow() const { return row_; }
 
-  /// The value among valid options.
+  /// The value in valid options.
   Value of(const SurfaceOptions& options) const {
     OptionValue value = get(&options);
     if constexpr (std::is_enum_v<Value>) {

@@ -19,18 +19,18 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kBatch = 1024;
-/// New points around the samples from which the even ones are chosen, over those wanted.
+/// Ratio of candidate points around the samples to requested points.
 constexpr double kSpare = 5;
-/// Share of a ball's radius within which they lie: no holes between samples at random, and not far beyond borders.
+/// Fraction of a ball's radius within which candidates are placed: no holes between random samples, and not far beyond
+/// borders.
 constexpr double kCore = 0.65;
-/// A point is too far off where it would have to move by more than so many spacings and deviations of the noise.
+/// A point is too far if it would move by more than these numbers of spacings and standard deviations of the noise.
 constexpr double kFarInSpacings = 3, kFarInNoise = 5;
-/// Samples are no farther apart than so many times the median when these spacings are counted: what stands alone has
-/// no surface next to it.
+/// Upper limit of the local spacing in this test, over the median: isolated samples have no surface nearby.
 constexpr double kWidest = 2;
-/// So many samples at most tell which surface suits them.
+/// Largest number of samples used to choose the surface.
 constexpr std::size_t kJudged = 20000;
-/// A surface that moves the samples by no more than this, over the noise (squares), takes the noise away and no more.
+/// A surface that moves the samples by at most this much (ratio of squares to the noise) only removes noise.
 constexpr double kOnlyNoise = 2;
 constexpr double kGoldenAngle = 2.399963229728653;
 
@@ -39,8 +39,8 @@ struct Foot {
   bool found = false;
 };
 
-/// Down the gradient until a step is short. A gradient holds for a spacing or so: no step is longer, or points next to
-/// creases of thin parts would be thrown past them.
+/// Descends along the gradient until a step is short. A gradient is valid for about a spacing; longer steps would throw
+/// points past the creases of thin parts.
 void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance, double longest_step, int steps,
              std::span<Foot> feet) {
   std::vector<Vec3> at(x.begin(), x.end()), g(x.size());
@@ -60,7 +60,7 @@ void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance
   }
 }
 
-/// All of x onto the surface, in parallel.
+/// Projects all of x onto the surface, in parallel.
 std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, const ProjectToSurface& options,
                           Progress& progress) {
   const double tolerance = model.frame().from_input(options.tolerance * model.report().spacing);
@@ -91,7 +91,7 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
   return feet;
 }
 
-/// Says which feet are farther from their points, or from all samples, than noise could be.
+/// Marks feet that are farther from their points, or from all samples, than noise explains.
 std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec3> x, std::span<const Foot> feet) {
   const double spacing = model.frame().from_input(model.report().spacing);
   const double noise = model.frame().from_input(model.report().noise);
@@ -115,7 +115,8 @@ std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec
 
 SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   const NoiseEstimate estimate = measure_noise(cloud.points);
-  const double noise = estimate.known ? estimate.deviation : 0;  // what may be shape explains no way
+  // An unknown deviation, possibly shape, does not count as noise.
+  const double noise = estimate.known ? estimate.deviation : 0;
   const std::size_t all = cloud.points.size(), every = 1 + (all - 1) / kJudged;
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < all; i += every) x.push_back(Vec3(cloud.points.positions[i]));
@@ -146,8 +147,8 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
 const OptionSchema& ProjectToSurface::schema() {
   using O = ProjectToSurface;
   static constexpr OptionRow rows[] = {
-      option<&O::most_steps>({.text = "Steps of a point at most", .range = {1, 1000}, .old_name = "steps"}),
-      option<&O::tolerance>({.text = "A point stops after a step shorter than this ratio to the spacing",
+      option<&O::most_steps>({.text = "Largest number of steps per point", .range = {1, 1000}, .old_name = "steps"}),
+      option<&O::tolerance>({.text = "A point stops after a step shorter than this, over the spacing",
                              .unit = "ratio",
                              .range = {1e-6, 1}})};
   static constexpr OptionSchema schema{rows};
@@ -199,12 +200,12 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
                           Progress& progress, SurfaceProjection* report) {
   options.validate();
   if (count == 0) throw ArgumentError("the number of points must be at least 1");
-  // Candidates on a spiral around each sample, within its ball's core, that cover the surface several times over.
+  // Candidates on a spiral around each sample, within its ball's core, that cover the surface several times.
   const BallUnion& balls = model.balls();
   const std::size_t samples = balls.centers.size();
   std::vector<Vec3> centers(balls.centers.begin(), balls.centers.end());
   const std::vector<Foot> roots = feet_of(model, centers, options, progress);
-  // In proportion to the areas that the balls stand for: where samples are few, each needs more.
+  // In proportion to the areas of the balls: where samples are sparse, each needs more candidates.
   double squares = 0;
   for (std::size_t i = 0; i < samples; ++i)
     if (roots[i].found) squares += static_cast<double>(balls.radii[i]) * static_cast<double>(balls.radii[i]);
@@ -226,7 +227,7 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   std::vector<Foot> feet = feet_of(model, x, options, progress);
   std::erase_if(feet, [](const Foot& f) { return !f.found; });
 
-  // Poisson discs: each point keeps others out of its surroundings; the radius that leaves about `count` of them.
+  // Poisson discs: finds the exclusion radius that leaves about `count` points.
   progress.begin("spread");
   const LocalFrame& frame = model.frame();
   const double area =
@@ -236,7 +237,7 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   places.reserve(feet.size());
   for (const Foot& f : feet) places.push_back(f.position);
   std::vector<std::uint32_t> kept;
-  double too_small = 0, too_large = 0;  // radii known to be so; 0: none is
+  double too_small = 0, too_large = 0;  // known bounds of the radius; 0: none yet
   for (int round = 0; round < 12; ++round) {
     kept = poisson_discs(places, radius);
     const double share = static_cast<double>(kept.size()) / static_cast<double>(count);
@@ -269,12 +270,12 @@ namespace {
 
 constexpr ReportRow kSurfaceProjectionRows[] = {
     reported<&SurfaceProjection::mean_move>(
-        {.name = "moved.mean", .text = "How far points moved on average", .unit = "length"}),
+        {.name = "moved.mean", .text = "Mean displacement of the points", .unit = "length"}),
     reported<&SurfaceProjection::rms_move>(
-        {.name = "moved.rms", .text = "How far points moved, root mean square", .unit = "length"}),
+        {.name = "moved.rms", .text = "Displacement of the points, root mean square", .unit = "length"}),
     reported<&SurfaceProjection::largest_move>(
-        {.name = "moved.largest", .text = "How far the point moved that moved most", .unit = "length"}),
-    reported<&SurfaceProjection::left_out>({.text = "Points that were too far from the samples"})};
+        {.name = "moved.largest", .text = "Largest displacement of a point", .unit = "length"}),
+    reported<&SurfaceProjection::left_out>({.text = "Points too far from the samples"})};
 
 }  // namespace
 

@@ -11,32 +11,32 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
+/// Balls that require fine blocks: this fraction of the radius within which the surface is defined.
 constexpr double kBlockReach = 0.4;
-/// Edge of a block over the spacing of the samples near it, for coarseness 1; over the width of the weights where these
-/// are wider: a surface has no finer features.
+/// Edge of a block over the local spacing, for coarseness 1; and over the width of the weight functions if these are
+/// wider: the surface has no finer features.
 constexpr double kBlockEdge = 1.4, kThinBlockEdge = 1.2;
 constexpr int kDeepest = 13;
-/// Around a block whose flatness is asked for it has to reach so far beyond, in edges.
+/// Margin around a block, in edges, within which its flatness is tested.
 constexpr double kFlatMargin = 0.25;
-/// Least cosine of the normals around a flat block to their mean: of one sheet, and no fold.
+/// Least cosine between a normal around a flat block and their mean: a single sheet without folds.
 constexpr double kAlike = 0.87;
-/// Cosine of normals on the two sides of a wall, below.
+/// Cosine between normals on the two sides of a wall, at most.
 constexpr float kOpposite = -0.85f;
-/// A surface of curvature κ around a block of edge e leaves triangles of that edge a gap of κe²/8 in their middle, and
-/// rises by κR²/2 within R = 1.1 e, block and margin: 4.8 times that. On average it is two thirds of that gap, and half
-/// of this where triangles straddle the surface.
+/// A surface of curvature κ leaves a gap of κe²/8 at the middle of triangles of edge e, and rises by κR²/2 within R =
+/// 1.1 e, block and margin: 4.8 times that. The mean gap is two thirds of the largest, and half of this where triangles
+/// straddle the surface.
 constexpr double kHeightOverGap = 14;
-/// Flat blocks are no larger than so many times the finest there: what lies between samples should be looked at.
+/// Largest ratio of a flat block to the local finest ones, so that the region between samples is still visited.
 constexpr double kLargest = 16;
 
-/// Test for places where large triangles suffice.
+/// Tests where large triangles suffice.
 struct Flatness {
   const PointSet& feet;
   double most;
 
-  /// Whether these are samples of both sides of a wall: whether any look away from the one that looks away most from
-  /// the first, which may lie on the rim.
+  /// Whether the samples are on both sides of a wall: whether any normal opposes that which deviates most from the
+  /// first, which may be on the rim.
   bool two_sided(std::span<const std::uint32_t> samples) const {
     const auto cosine = [&](std::uint32_t i, std::uint32_t j) { return dot(feet.normals[i], feet.normals[j]); };
     const std::uint32_t first = samples.front();
@@ -46,7 +46,7 @@ struct Flatness {
     return std::any_of(samples.begin(), samples.end(), [&](std::uint32_t i) { return cosine(i, side) < kOpposite; });
   }
 
-  /// Whether triangles of a block with this edge length would do for what these samples stand for.
+  /// Whether triangles of this edge length are accurate enough for these samples.
   bool holds(std::span<const std::uint32_t> samples) const {
     Vec3 normal, middle;
     for (const std::uint32_t i : samples) normal += Vec3(feet.normals[i]), middle += Vec3(feet.positions[i]);
@@ -71,7 +71,7 @@ BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const
   const std::optional<Flatness> flatness = flat ? std::optional(Flatness{flat->feet, flat->error}) : std::nullopt;
   std::vector<float> radii = balls.radii;
   for (float& r : radii) r *= static_cast<float>(kBlockReach);
-  // Of the partition, the supports themselves tell how fine it is: about four blocks across.
+  // For the partition, the supports determine the resolution: about four blocks across each.
   const auto spacing_at = [&](std::uint32_t i) {
     return static_cast<double>(spacing.empty() ? balls.radii[i] / 4 : spacing[i]);
   };
@@ -96,8 +96,8 @@ BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const
     if (!flat) return e > finest;
     if (e > kLargest * finest) return true;
     touching(kFlatMargin);
-    // Smoothing leaves nothing finer along the surface, but does not make walls thicker. Sharp edges of wedges are
-    // placed better with triangles no finer than what the samples tell.
+    // Smoothing leaves no finer features along the surface, but does not thicken walls. Sharp edges of wedges are
+    // placed better with triangles no finer than the samples.
     if (e <= finest) return e > kThinBlockEdge * coarseness * least && !surface.sharp && flatness->two_sided(touched);
     return !flatness->holds(touched);
   };

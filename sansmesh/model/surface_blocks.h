@@ -1,4 +1,4 @@
-// Blocks for the polygonisation of a surface of samples.
+// Block trees for the polygonization of a surface of samples.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,21 @@ namespace sansmesh::inline v1 {
 /// Support of a surface of samples.
 struct SurfaceSupport {
   const BallUnion& balls;
-  std::span<const float> spacings;  ///< around the centres (length); none where the balls tell how fine the surface is
+  /// Local spacing at the centres (length); empty if the balls determine the resolution.
+  std::span<const float> spacings;
   Box3 bounds;
-  double smoothing = 0;  ///< median width of the weights over the spacing
+  double smoothing = 0;  ///< median width of the weight functions over the spacing
   bool sharp = false;    ///< vertices are placed on sharp edges
 };
 
-/// Data to find places where large triangles suffice.
+/// Data to find regions where large triangles suffice.
 struct FlatSurface {
-  const PointSet& feet;  ///< of the balls' centres, with normals
-  double error;          ///< accepted gap between surface and triangles, on average (length)
+  const PointSet& feet;  ///< projections of the ball centres onto the surface, with normals
+  double error;          ///< accepted mean distance between surface and triangles (length)
 };
 
-/// As fine as the samples near them, times `coarseness`; with `flat` larger where the surface is a single sheet and
-/// flat, and no finer than the weights are wide.
+/// Blocks as fine as the local samples, times `coarseness`; with `flat` larger where the surface is a single flat
+/// sheet, and no finer than the width of the weight functions.
 BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const std::optional<FlatSurface>& flat = {});
 
 }  // namespace sansmesh::inline v1

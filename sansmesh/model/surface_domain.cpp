@@ -14,27 +14,27 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Fewest samples of a border: those around the narrowest hole that Coverage leaves open are half as many again.
+/// Fewest samples of a border: the narrowest hole that Coverage leaves open has 1.5 times as many around it.
 constexpr std::size_t kLeastBorder = 12;
-/// Samples of a border see the next ones within this share of their reach.
+/// Samples of a border are neighbours within this fraction of their reach.
 constexpr float kNextBorder = 1;
-/// Next to a border is what is not so many times nearer to other samples.
+/// A point is next to a border unless other samples are nearer by this factor.
 constexpr double kNextTo = 1.5;
-/// How far beyond a border the surface has ended, in reaches, and the Newton steps to it from there.
+/// Distance beyond a border at which the surface has ended, in reaches, and the number of Newton steps back to it.
 constexpr double kBeyondBorder = 0.45;
 constexpr int kSteps = 3;
-/// Where the winding number is looked at: at most about so many samples, and so many spacings behind them.
+/// Number of samples at which the winding number is evaluated, at most, and depths behind them in spacings.
 constexpr std::size_t kPlaces = 4096;
 constexpr std::array<double, 3> kDepths{1, 2, 4};
-/// Mean winding number behind a surface from which on it bounds a solid.
+/// Mean winding number behind a surface above which it bounds a solid.
 constexpr double kSolid = 0.75;
-/// The same where it will be closed whatever holes there are: it is 0.87 behind half a sphere.
+/// The same if all holes will be closed: it is 0.87 behind half a sphere.
 constexpr double kWholeSolid = 0.9;
 /// Diagonal of the widest hole of a solid that is closed, in spacings.
 constexpr double kHole = 12;
-/// Elsewhere it ends so many spacings from all samples.
+/// Elsewhere the surface ends at this distance from all samples, in spacings.
 constexpr double kFar = 4;
-constexpr double kCovered = -0.42;  ///< as deep inside as among samples on all sides
+constexpr double kCovered = -0.42;  ///< level for points as deep inside as among samples on all sides
 
 std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
   std::vector<Vec3f> x;
@@ -43,8 +43,8 @@ std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
   return x;
 }
 
-/// Whether they bound a solid: the winding number behind them is about 1, behind open sheets ½ or less. At some places
-/// only, and at the depth where it is largest, for thin walls.
+/// Whether the surface bounds a solid: the winding number behind it is about 1, behind open sheets at most ½. Evaluated
+/// at some samples only; the depth with the largest mean counts, for thin walls.
 bool bounds_solid(const PointSet& feet, double spacing, double least) {
   std::vector<OrientedPatch> patches;
   std::vector<Vec3f> behind, before;
@@ -73,7 +73,7 @@ bool bounds_solid(const PointSet& feet, double spacing, double least) {
   return jump > 0 && sum >= least * jump;
 }
 
-/// Leaves out what is too short. `hole`: the widest hole that is not left open.
+/// Removes borders that are too short. `hole`: widest hole that is closed.
 std::vector<Coverage::Border> long_borders(std::vector<Coverage::Border> borders, double hole) {
   const KdTree tree(positions_of(borders));
   UnionFind sets(borders.size());
@@ -98,8 +98,8 @@ std::vector<Coverage::Border> long_borders(std::vector<Coverage::Border> borders
   return borders;
 }
 
-/// Leaves out those at edges and tips, beyond which the surface goes on round the corner: from outside of the samples
-/// the way to the surface leads back to these.
+/// Removes borders at edges and tips, beyond which the surface continues around the corner: from outside the samples,
+/// descent to the surface leads back to them.
 std::vector<Coverage::Border> at_ends(const ScalarField& field, const Coverage& coverage, const KdTree& samples,
                                       const PointSet& feet, std::vector<Coverage::Border> borders) {
   std::vector<Vec3> x(borders.size()), g(x.size());

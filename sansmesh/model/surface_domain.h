@@ -1,5 +1,4 @@
-// Where the surface of samples that was not made for a mesh is cut off: where the samples end, and where trimming was
-// asked for.
+// Domain of a surface of samples: the surface is clipped where its samples end and where trimming is requested.
 #pragma once
 
 #include <optional>
@@ -14,42 +13,41 @@
 
 namespace sansmesh::inline v1 {
 
-/// Negative where there is surface, as PolygonizeOptions::domain wants it. A surface that bounds no solid ends where
-/// its samples cease to cover it (Coverage). One that bounds a solid does so along the borders of holes of more than
-/// twelve spacings only, and elsewhere four spacings from all samples: at edges and tips and where single samples are
-/// far from others it stays closed.
+/// Negative where the surface exists (PolygonizeOptions::domain). An open surface ends where its samples no longer
+/// cover it (Coverage). A surface that bounds a solid ends only along the borders of holes wider than twelve spacings,
+/// and four spacings from all samples: it stays closed at edges, at tips and around isolated samples.
 class SurfaceDomain : public ScalarField {
  public:
-  /// Of points on the surface, the zero set of a field, with their normals; they stand for the samples. Lengths in the
-  /// unit of the field; coordinates are about 1 large. `spacing`: of all of them. `fill`: holes up to so wide are
-  /// closed (Coverage). `trim`: no surface farther than this from any sample. `solid`: whether it bounds one, where
-  /// that is known; else the winding number behind the samples tells. `whole`: that of a solid ends nowhere but where
-  /// it is trimmed.
+  /// `feet` are points on the surface (the zero set of a field) with their normals; they represent the samples. Lengths
+  /// in the unit of the field; coordinates are of order 1. `spacing`: mean spacing of the feet. `fill`: holes up to
+  /// this width are closed (Coverage). `trim`: largest distance of the surface from a sample. `solid`: whether it
+  /// bounds a solid, if known; else the winding number behind the samples decides. `whole`: a solid's surface ends only
+  /// where it is trimmed.
   SurfaceDomain(const ScalarField& field, const PointSet& feet, double spacing, std::optional<double> fill,
                 std::optional<double> trim, std::optional<bool> solid = {}, bool whole = false);
 
-  /// Whether the samples end anywhere, so that the surface is open.
+  /// Whether the samples end somewhere, so that the surface is open.
   bool ends() const { return !borders_.empty(); }
   /// Whether it bounds a solid.
   bool solid() const { return far_ > 0; }
 
   Box3 bounds() const override { return coverage_.bounds(); }
-  /// No gradients: asked for, they are zero.
+  /// Gradients, if requested, are zero.
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
-  /// Divides the blocks along its borders (refine_along of function_domain.h).
+  /// Refines the blocks along the borders (refine_along of function_domain.h).
   void refine(BlockTree& blocks, int deepest) const;
 
  private:
-  /// Whether there is surface of a solid although the samples do not cover it.
+  /// Whether the surface of a solid exists at x although no samples cover it.
   bool stays(const Vec3f& x) const;
 
   Coverage coverage_;
   KdTree samples_;
   std::vector<Coverage::Border> borders_;
   KdTree border_samples_;
-  double far_ = 0;  ///< of a solid: where it ends in any case; else 0
+  double far_ = 0;  ///< solids: distance from all samples at which the surface always ends; else 0
   std::optional<double> trim_;
 };
 

@@ -1,4 +1,4 @@
-// Surfaces of samples by name: what a method is, what it makes, and the registry of all of them.
+// Registry of the methods that make surfaces of samples, and the parts that a method produces.
 #pragma once
 
 #include <functional>
@@ -23,69 +23,68 @@
 
 namespace sansmesh::inline v1 {
 
-/// Properties of a surface that its field does not tell.
+/// Properties of a surface that its field does not express.
 struct SurfaceTraits {
-  /// It goes on where there are no samples, and is closed there, unless it bounds no solid.
+  /// The surface continues, and closes, where there are no samples, unless it bounds no solid.
   bool closes_holes = false;
   bool creases = false;  ///< the field has creases that a mesh should follow
-  /// How far from zero the field may be on either side of a jump that is part of the surface, over the radius of the
-  /// ball of the support there: patches that do not meet, or nearly nothing.
+  /// Largest |field| on either side of a jump that is part of the surface, over the radius of the local support ball:
+  /// there patches do not meet.
   double jump = 0.01;
 };
 
-/// A surface made of samples. Everything is in the coordinates of the prepared cloud, and owns what it needs.
+/// A surface made of samples. All members are in the coordinates of the prepared cloud; the structure owns its data.
 struct SurfaceParts {
-  /// Null where `make_field` makes it, for those who ask; pictures of projections never do.
+  /// Null if `make_field` creates it on demand; pictures of projections never need it.
   std::shared_ptr<const ScalarField> field;
   std::function<std::shared_ptr<const ScalarField>(Progress&)> make_field;
   std::shared_ptr<const Projection> projection;  ///< null unless the surface is defined by one
-  BallUnion support;                             ///< where the surface can be: balls around samples, then others
-  /// Distances between the samples around the centres of the balls (length); none where the balls themselves tell how
-  /// fine the surface is.
+  BallUnion support;                             ///< balls that contain the surface: around samples first, then others
+  /// Spacing of the samples around the ball centres (length); empty if the balls themselves determine the resolution.
   std::vector<float> spacings;
-  std::function<std::vector<Vec3>()> seeds;    ///< points near the surface; the centres of the balls where it is null
-  std::shared_ptr<const NormalField> normals;  ///< better ones than the gradients; may be null
-  /// The samples as the method uses them, from which sharp normals are made; null where it has no use for those.
+  std::function<std::vector<Vec3>()> seeds;    ///< points near the surface; null: the ball centres
+  std::shared_ptr<const NormalField> normals;  ///< normals better than the gradients; may be null
+  /// The samples as the method uses them, for sharp normals; null if it does not support these.
   std::shared_ptr<const SurfaceSamples> samples;
   SurfaceTraits traits;
-  double spacing = 0, noise = 0;  ///< of the samples (length)
-  double smoothing = 0;           ///< median width of weights over the local spacing; 0 where there are none
-  int order = 0, iterations = 0;  ///< of an iterated approximation
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length)
+  double smoothing = 0;           ///< median width of the weight functions over the local spacing; 0 without weights
+  int order = 0, iterations = 0;  ///< parameters of an iterated approximation
 };
 
-/// One surface that can be made of samples. Registered once, in its own source: library, command line, help and
-/// documentation know it from there.
+/// A method that makes a surface of samples. Registered once, in its own source; library, command line, help and
+/// documentation use the registry.
 struct SurfaceMethod {
-  std::string_view name;     ///< as users write it
+  std::string_view name;     ///< name for users
   std::string_view summary;  ///< one line
   std::string_view page;     ///< file in docs/methods/
-  /// The surface of clean, oriented samples. It may move their normals. Lengths among the options are in the
+  /// Makes the surface of clean, oriented samples; may change their normals. Lengths among the options are in the
   /// coordinates of the cloud.
   SurfaceParts (*make)(PreparedCloud& cloud, const SurfaceOptions& options, Progress& progress) = nullptr;
-  std::span<const std::string_view> uses = {};  ///< names of the options that mean something to it
-  std::string_view instead = {};                ///< why others mean nothing to it, where that is not plain
-  bool projects = false;                        ///< it is defined by a projection
-  /// Throws ArgumentError for values of options that it does not take, though it uses the options; may be null.
+  std::span<const std::string_view> uses = {};  ///< names of the options that it uses
+  std::string_view instead = {};                ///< reason why it ignores other options, if not obvious
+  bool projects = false;                        ///< the surface is defined by a projection
+  /// Throws ArgumentError for option values that it does not support; may be null.
   void (*check)(const SurfaceOptions& options) = nullptr;
-  /// Options that no other surface has, kept in SurfaceOptions::own (own_option.h). Their names begin with the
-  /// surface's: "shepard_neighbours".
+  /// Options of this method alone, stored in SurfaceOptions::own (own_option.h). Names begin with that of the method:
+  /// "shepard_neighbours".
   std::span<const OptionRow> own = {};
 
-  /// Whether an option means something to it.
+  /// Whether the method uses an option.
   bool uses_option(std::string_view option) const;
 
-  /// Those of the library in the order of sansmesh/model/methods/CMakeLists.txt, then those that programs add.
+  /// Methods of the library in the order of sansmesh/model/methods/CMakeLists.txt, followed by registered ones.
   static Registry<SurfaceMethod>& registry();
 };
 
-/// Those of each source of sansmesh/model/methods/, in the order of its CMakeLists.txt, from which the definition is
-/// made.
+/// Methods of each source in sansmesh/model/methods/, in the order of its CMakeLists.txt, which generates the
+/// definition.
 std::vector<std::span<const SurfaceMethod>> own_surface_methods();
 
-/// By name. Throws ArgumentError naming the choices.
+/// Looks up a method. Throws ArgumentError naming the choices.
 inline const SurfaceMethod& surface_method(std::string_view name) { return SurfaceMethod::registry().at(name); }
 
-/// Names of those that use an option: "amls".
+/// Names of the methods that use an option: "amls".
 std::string surfaces_that_use(std::string_view option);
 
 }  // namespace sansmesh::inline v1

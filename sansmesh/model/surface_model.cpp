@@ -22,7 +22,7 @@ namespace {
 
 /// Newton steps from a sample to the surface.
 constexpr int kFootSteps = 2;
-/// Normals of the method, from which the sharp ones start.
+/// Normals of the method, refined by the sharp ones.
 class SharpenedNormals : public NormalField {
  public:
   SharpenedNormals(const NormalField& first, const NormalField& then) : first_(first), then_(then) {}
@@ -35,7 +35,7 @@ class SharpenedNormals : public NormalField {
   const NormalField &first_, &then_;
 };
 
-/// With lengths in the coordinates of a prepared cloud.
+/// Options with lengths in the coordinates of a prepared cloud.
 SurfaceOptions placed(SurfaceOptions options, const LocalFrame& frame) {
   for_each_option(SurfaceOptions::schema(), &options, [&](const OptionRow& row, void* owner) {
     const OptionValue value = row.get(owner);
@@ -48,7 +48,7 @@ SurfaceOptions placed(SurfaceOptions options, const LocalFrame& frame) {
 BilateralOptions sharp_options(const SurfaceOptions& options) {
   BilateralOptions o;
   o.formula = *options.sharp, o.weights = options.weights;
-  if (o.formula == SharpFormula::laguerre) {  // whose h and ε are those of the surface
+  if (o.formula == SharpFormula::laguerre) {  // uses h and ε of the surface
     o.epsilon = options.epsilon.value_or(o.epsilon);
     o.smoothing = options.smoothing, o.bandwidth = options.bandwidth;
   }
@@ -62,15 +62,15 @@ struct SurfaceModel::State {
   SurfaceReport report;
   SurfaceParts parts;
   mutable std::once_flag field_made;
-  mutable std::shared_ptr<const ScalarField> field;  // of a projection: made when it is first asked for
+  mutable std::shared_ptr<const ScalarField> field;  // field of a projection: created on first use
   mutable std::optional<FaceField> placement;
   std::optional<BilateralNormals> sharp;
-  std::optional<SharpenedNormals> sharpened;  // of the method's own normals
+  std::optional<SharpenedNormals> sharpened;  // applied to the method's own normals
   std::optional<SampleColors> colors;
 
   void take(SurfaceParts made, std::string_view method);
-  /// What only polygonisers need: for a projection, a field that also knows on which side points are that are too far
-  /// away to be projected; and where to put the vertices of sharp meshes.
+  /// Data that only polygonizers need: for a projection, a field that also classifies points too far away to be
+  /// projected; and the field for placing vertices of sharp meshes.
   void make_field(Progress& progress) const {
     field = parts.field ? parts.field : parts.make_field(progress);
     if (sharp) placement.emplace(*field, *sharp);
@@ -199,10 +199,10 @@ std::vector<Vec3> SurfaceModel::seeds() const {
 namespace {
 
 constexpr ReportRow kSurfaceReportRows[] = {
-    reported<&SurfaceReport::method>({.text = "Method, by name"}),
+    reported<&SurfaceReport::method>({.text = "Name of the method"}),
     reported<&SurfaceReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
     reported<&SurfaceReport::noise>({.text = "Noise of the samples", .unit = "length"}),
-    reported<&SurfaceReport::smoothing>({.text = "Median width of the weights; 0 without any", .unit = "spacings"}),
+    reported<&SurfaceReport::smoothing>({.text = "Median width of the weights; 0 without weights", .unit = "spacings"}),
     reported<&SurfaceReport::order>({.text = "Order of the approximation, of amls"}),
     reported<&SurfaceReport::iterations>({.text = "Iterations of the approximation, of amls"})};
 

@@ -1,5 +1,4 @@
-// From samples to a surface that is never meshed, by name: what pictures are taken of, points are projected onto and,
-// where a mesh is wanted after all, it is cut out of.
+// A meshless surface of samples made by a named method: input of pictures, of projections and of meshing.
 #pragma once
 
 #include <memory>
@@ -32,37 +31,37 @@ class SurfaceModel {
   SurfaceModel(SurfaceModel&&) noexcept;
   SurfaceModel& operator=(SurfaceModel&&) noexcept;
 
-  // Everything below but the report is in coordinates of the model's own.
+  // All members except the report are in the model's local coordinates.
   const LocalFrame& frame() const;
 
-  /// The surface as a field; for projections, the signed distance to the foot point. These make it when it is first
-  /// asked for, which pictures never do: that is what the progress tells of, and may be cancelled.
+  /// The surface as a field; for projections, the signed distance to the foot point. The first call may create it, with
+  /// progress and cancellation; pictures never need it.
   const ScalarField& field(Progress& progress) const;
-  /// Better normals than those of the field; null unless sharp or iterated ones were asked for.
+  /// Normals better than the field's; null unless sharp or iterated ones were requested.
   const NormalField* normals() const;
-  /// What consumers of the field need to know; sharp normals are creases, too.
+  /// Properties that consumers of the field need; sharp normals count as creases.
   SurfaceTraits traits() const;
-  /// For placing the vertices of a mesh, where another field than field() is better; else null. Makes field().
+  /// Field for placing the vertices of a mesh if field() is not the best one; else null. Creates field().
   const ScalarField* placement(Progress& progress) const;
   /// Null unless the surface is defined by a projection.
   const Projection* projection() const;
-  /// Where the surface can be: first a ball for each of the samples, then what closes holes; of a fitted function, its
+  /// Balls that contain the surface: one for each sample, then those that close holes; for a fitted function, its
   /// supports.
   const BallUnion& balls() const;
   const PointSet& points() const;
-  /// The samples' colours, interpolated; null where they have none.
+  /// Interpolated colours of the samples; null if they have none.
   const ColorField* colors() const;
   const SurfaceReport& report() const;
   const std::vector<std::string>& warnings() const;
 
-  /// Blocks for polygonisation: as fine as the samples near them, times `coarseness` (> 0).
+  /// Blocks for polygonization: as fine as the local samples, times `coarseness` (> 0).
   BlockTree blocks(double coarseness) const;
-  /// The points of the surface next to the balls' centres, with its normals there (zero where the field has no slope).
-  /// Makes field().
+  /// Projections of the ball centres onto the surface, with normals (zero where the gradient vanishes). Creates
+  /// field().
   PointSet feet(Progress& progress) const;
-  /// Blocks, but larger where the surface is a single sheet and so flat there that triangles as large as the blocks
-  /// would be less than `mesh_error` (length, > 0) off on average; and no finer than the weights are wide. Of the
-  /// partition, as blocks(1). `feet`: feet().
+  /// Blocks that are larger where the surface is a single sheet so flat that triangles of the block size deviate by
+  /// less than `mesh_error` (length, > 0) on average, and no finer than the width of the weight functions. For the
+  /// partition equal to blocks(1). `feet`: feet().
   BlockTree blocks_for(const PointSet& feet, double mesh_error) const;
   /// Points near the surface from which it can be followed.
   std::vector<Vec3> seeds() const;
@@ -76,14 +75,14 @@ class SurfaceModel {
   std::unique_ptr<State> state_;
 };
 
-/// The surface of samples that are clean and oriented. Throws ArgumentError for bad options, DataError where the points
-/// do not make a surface.
+/// Makes the surface of clean, oriented samples. Throws ArgumentError for bad options, DataError where the points do
+/// not form a surface.
 SurfaceModel make_surface_model(PreparedCloud cloud, const SurfaceOptions& options, Progress& progress);
 
-/// The same of samples as they come: they are cleaned and oriented before (prepare_cloud, as it does by itself).
+/// As above for raw samples, which prepare_cloud cleans and orients with its defaults.
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
 
-/// The same of a function that was fitted before: the surface "partition".
+/// As above for a function that was fitted before: the surface "partition".
 SurfaceModel make_surface_model(FittedFunction function);
 
 }  // namespace sansmesh::inline v1

@@ -42,43 +42,43 @@ constexpr std::string_view kFlows[] = {"fit", "normal", "free"};
 constexpr std::string_view kDiffusions[] = {"none", "soft", "hard"};
 
 constexpr OptionRow kRows[] = {
-    option<&SurfaceOptions::method>({.text = "The surface, by name"}),
-    option<&SurfaceOptions::sharp>(
-        {.text = "Edges and corners: normals that turn sharply, with bilateral or laguerre weights",
-         .choices = kSharp,
-         .implied = "bilateral"}),
+    option<&SurfaceOptions::method>({.text = "Surface method"}),
+    option<&SurfaceOptions::sharp>({.text = "Sharp edges and corners: normals by bilateral or laguerre weights",
+                                    .choices = kSharp,
+                                    .implied = "bilateral"}),
     option<&SurfaceOptions::smoothing>({.text = "Width of the weights over the spacing of the samples",
                                         .unit = "ratio",
                                         .from_data = "from data",
                                         .range = {0.5, 20}}),
     option<&SurfaceOptions::bandwidth>(
-        {.text = "Width of the weights as one length, in place of `smoothing`", .unit = "length", .range = positive()}),
+        {.text = "Width of the weights as a length, instead of `smoothing`", .unit = "length", .range = positive()}),
     option<&SurfaceOptions::weights>(
-        {.text = "compact: as wide as the spacing asks for; gaussian: exp(-d^2/h^2) with one h for the cloud",
+        {.text = "compact: width from the local spacing; gaussian: exp(-d^2/h^2) with one h for the cloud",
          .choices = kWeights}),
     option<&SurfaceOptions::order, OrderWords>(
         {.text = "Order of the approximation", .unit = "order", .from_data = "from data", .choices = kOrders}),
     option<&SurfaceOptions::iterations>(
-        {.text = "0 smooths most, many interpolate", .from_data = "from data", .range = {0, 100}}),
+        {.text = "Iterations: 0 smooths most, many interpolate", .from_data = "from data", .range = {0, 100}}),
     option<&SurfaceOptions::epsilon>(
-        {.text = "Shape parameter beside the width", .from_data = "1", .range = {0.05, 20}}),
-    option<&SurfaceOptions::normal>(
-        {.text = "covariance (adamson): the direction of least weighted covariance; iterated (amls): the normals "
-                 "approximated as the values are",
-         .choices = kNormals}),
+        {.text = "Shape parameter, in addition to the width", .from_data = "1", .range = {0.05, 20}}),
+    option<&SurfaceOptions::normal>({.text = "covariance (adamson): direction of least weighted covariance; iterated "
+                                             "(amls): normals approximated like the values",
+                                     .choices = kNormals}),
     option<&SurfaceOptions::reference_plane>(
-        {.text = "The plane by weights about its own foot, six times, or by nonlinear minimisation",
+        {.text = "Reference plane by weights about its own foot, six iterations, or by nonlinear minimisation",
          .choices = kPlanes,
          .old_name = "plane"}),
     option<&SurfaceOptions::polynomial, PolynomialWords>(
-        {.text = "Degree over the plane, or incomplete: x^2, y^2, xy, 1", .unit = "degree", .choices = kPolynomials}),
+        {.text = "Degree of the polynomial over the plane, or incomplete: x^2, y^2, xy, 1",
+         .unit = "degree",
+         .choices = kPolynomials}),
     option<&SurfaceOptions::flow>(
-        {.text = "Onto the surface by the fit, or by diffusion to its fixed point, along the normal or free, which is "
-                 "slow and has no picture",
+        {.text =
+             "Projection by the fit, or by diffusion to its fixed point: along the normal, or free (slow, no pictures)",
          .choices = kFlows}),
-    option<&SurfaceOptions::diffusion>({.text = "How much less samples far off count", .choices = kDiffusions}),
+    option<&SurfaceOptions::diffusion>({.text = "Reduced weight of samples off the surface", .choices = kDiffusions}),
     option<&SurfaceOptions::diffusion_threshold>(
-        {.text = "Curvature from which `diffusion` acts, over that of the width",
+        {.text = "Curvature above which `diffusion` acts, over that of the width",
          .from_data = "1",
          .range = positive(),
          .needs = "diffusion",
@@ -86,8 +86,8 @@ constexpr OptionRow kRows[] = {
     option<&SurfaceOptions::tau>(
         {.text = "Exponent of the M-like weights", .unit = "exponent", .from_data = "2", .range = {1, 3}}),
     option<&SurfaceOptions::separate_sheets>(
-        {.text = "Samples on the other side of a thin part count too", .negative = "no_sheets"}),
-    option<&SurfaceOptions::error>({.text = "Accepted distance of samples from the shape of their cell",
+        {.text = "Use also samples on the other side of a thin part", .negative = "no_sheets"}),
+    option<&SurfaceOptions::error>({.text = "Accepted distance of samples from their cell's function",
                                     .unit = "length",
                                     .from_data = "from data",
                                     .range = positive()}),
@@ -95,9 +95,9 @@ constexpr OptionRow kRows[] = {
                                     .unit = "level",
                                     .from_data = "14",
                                     .range = {kLeastDepth, kMostDepth}}),
-    option<&SurfaceOptions::smooth>({.text = "Do not look for edges and corners"})};
+    option<&SurfaceOptions::smooth>({.text = "Do not detect edges and corners"})};
 
-/// Those of all surfaces, then those that one has for itself.
+/// Options of all surfaces, followed by those of single methods.
 std::vector<OptionRow> all_rows() {
   std::vector<OptionRow> rows(std::begin(kRows), std::end(kRows));
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
@@ -115,12 +115,12 @@ std::vector<OptionRow> all_rows() {
   return rows;
 }
 
-/// Throws ArgumentError for names in `own` that are not those of rows beyond the fields.
+/// Throws ArgumentError for names in `own` that are no options of single methods.
 void check_names(const SurfaceOptions& options) {
   const auto rows = SurfaceOptions::schema().rows.subspan(std::size(kRows));
   for (const auto& [name, value] : options.own)
     if (std::none_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return row.name == name; }))
-      throw ArgumentError(fmt::format("no surface has an option `{}` for itself", name));
+      throw ArgumentError(fmt::format("no surface method has an option `{}` of its own", name));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
@@ -124,12 +125,8 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
         float far = 0;  // smaller of two bounds that include the members' extents
         for (const Item& item : siblings)
           far = std::max(far, norm(item.position - group.position) + (level == 0 ? 0 : item.radius));
-        for (unsigned corner = 0; corner < 8; ++corner) {
-          const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
-                         corner & 2 ? group.box.lower.y : group.box.upper.y,
-                         corner & 4 ? group.box.lower.z : group.box.upper.z};
-          group.radius = std::max(group.radius, norm(at - group.position));
-        }
+        for (int c = 0; c < 8; ++c)
+          group.radius = std::max(group.radius, norm(box_corner(group.box, c) - group.position));
         group.radius = std::max(std::min(group.radius, far), std::sqrt(kLeastReach * group.heaviest));
         return group;
       });

@@ -125,7 +125,7 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   }
   for (std::size_t k = 0; k < sheets.size(); ++k)
     if (!judged[k]) is_open[k] = 2 * open_area > area;
-  data.report.behind = area > 0 ? area_behind / area : 1;
+  data.report.mean_winding_number = area > 0 ? area_behind / area : 1;
   std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t k = sheets.of_support[i];

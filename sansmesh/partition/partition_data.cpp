@@ -170,7 +170,7 @@ void PartitionData::validate() const {
   const auto is_size = [](double x) { return x >= 0 && x <= static_cast<double>(kHuge); };
   check(is_size(report.noise) && is_size(report.error) && is_size(report.accuracy) && is_size(report.area) &&
             is_size(report.spacing) && report.spacing > 0 && is_size(report.open_area) &&
-            sensible(static_cast<float>(report.behind)) && report.depth >= 0 && report.depth <= kDeepest,
+            sensible(static_cast<float>(report.mean_winding_number)) && report.depth >= 0 && report.depth <= kDeepest,
         "its report is invalid");
   check(basis.sort_depth >= 0 && basis.sort_depth <= 20 && basis.tried >= 0 && basis.tried <= basis.sort_depth &&
             basis.finest >= 0 && basis.finest <= basis.tried && basis.finest <= kDeepest && is_size(basis.variance) &&

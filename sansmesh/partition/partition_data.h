@@ -48,7 +48,8 @@ struct PartitionReport {
   FitsOfDegree functions_of_degree{};
   std::size_t creased = 0;  ///< supports with a crease or corner
   double open_area = 0;     ///< area of sheets that bound no solid (length²)
-  double behind = 1;        ///< mean winding number just behind the samples: 1 for a closed surface, 1/2 for a plane
+  double mean_winding_number =
+      1;  ///< mean winding number just behind the samples: 1 for a closed surface, 1/2 for a plane
 };
 
 /// Properties of one support besides its function: its block and the quality of its fit. The layout is that of function

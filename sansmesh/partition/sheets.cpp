@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
@@ -129,9 +129,8 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
     area[k] += static_cast<double>(data.supports[i].area);
     found[k] += count[i];
   }
-  std::vector<std::uint32_t> order(area.size()), rank(area.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
+  const std::vector<std::uint32_t> order = largest_first(area);
+  std::vector<std::uint32_t> rank(area.size());
   const double one = data.report.spacing * data.report.spacing;
   for (std::size_t r = 0; r < order.size(); ++r) {
     const std::uint32_t k = order[r];

@@ -20,47 +20,43 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Scans of fewer samples stay where they are; and the system of equations is solved as a whole.
+/// Least number of samples of a movable scan, and largest number of movable scans (the system is solved densely).
 constexpr std::size_t kFewestOfScan = 100, kMostMovableScans = 300;
-/// Neighbours that a quadric goes through, and as many more for each spacing of noise, up to a limit.
+/// Neighbours that define a quadric, additional ones per spacing of noise, and their largest number.
 constexpr std::size_t kOfQuadric = 24, kMostOfQuadric = 128;
 constexpr double kMorePerNoise = 110;
-/// Distances that count, in spacings: at first, and at last unless noise wants more (in standard deviations).
+/// Width of the Tukey weights: first and last in spacings, and least in standard deviations of the noise.
 constexpr double kWidestReach = 8, kNarrowestReach = 0.5, kNoiseReach = 6;
-/// Where the middle of the neighbours is farther aside, over their radius (0.42 at a straight border), the scan ends.
+/// Offset of the neighbours' centroid relative to their radius (0.42 at a straight border) beyond which the scan ends.
 constexpr double kMostAside = 0.33;
-constexpr double kLeastCosine = 0.5;
-/// Makes a standard deviation of a median magnitude.
-constexpr double kDeviationOfMedian = 1.4826;
-/// Directions in which less than this share of a motion shows in the distances are hardly determined: left alone.
+constexpr double kLeastNormalCosine = 0.5;
+/// Motions that change the distances by less than this share are poorly determined: they are damped.
 constexpr double kDamping = 1e-4;
-/// So many samples of a scan are enough until steps are as small as this, over the last.
+/// Samples per scan that suffice until steps are as small as this factor of the last one.
 constexpr std::size_t kOnTheWay = 1000;
 constexpr double kOnTheWayOverLast = 5;
-/// A step below this, in noise or in spacings, is the last.
+/// Size of the last step, relative to the noise or the spacing.
 constexpr double kLastOverNoise = 0.02, kLastOverSpacing = 0.0005;
 constexpr double kTellableOverSpacing = 0.1;
-/// Motions are made if they leave no more than this of the loss.
+/// Motions are applied only if they reduce the loss below this factor.
 constexpr double kMostLossLeft = 0.9;
 constexpr double kWarpedOverNoise = 2;
 
-double tukey_weight(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
-
-/// A place on the surface of a scan.
+/// Point of the surface of a scan.
 struct SurfacePlace {
-  double height = 0;  ///< of the query over the surface, along the normal
-  Vec3 normal;        ///< unit; to the side of the samples' normals
+  double height = 0;  ///< height of the query point over the surface along the normal
+  Vec3 normal;        ///< unit normal on the side of the samples' normals
 };
 
-/// One scan with all that is asked of it, in the coordinates in which it came.
+/// Scan with precomputed data, in its original coordinates.
 struct Scan {
   std::uint16_t number = 0;
   std::vector<std::uint32_t> samples;
-  std::vector<std::uint32_t> chosen;  ///< of the samples, those that are compared with other scans
+  std::vector<std::uint32_t> chosen;  ///< samples compared with other scans
   Box3 box;
-  KdTree tree;  ///< of the samples, in their order
+  KdTree tree;  ///< tree of `samples`, in their order
   Vec3 centroid;
-  double radius = 0;  ///< root mean square distance of the chosen ones from the centroid
+  double radius = 0;  ///< root mean square distance of the chosen samples from the centroid
   Eigen::Matrix<double, 6, 6> mass;
   double noise = 0, spacing = 0;
   std::size_t neighbours = kOfQuadric;
@@ -73,8 +69,8 @@ struct SurfaceScratch {
   std::vector<Vec3f> offsets;
 };
 
-/// The quadric through the samples of a scan nearest to q, as seen from q; nothing where the scan has no surface within
-/// `reach`. A sample at q itself is left out if `others`: with `radius`, the distance of the farthest that were used.
+/// Evaluates the quadric through the samples of a scan nearest to q; nothing if the scan has no surface within `reach`.
+/// `others` skips a sample at q itself; `radius` returns the distance of the farthest sample used.
 std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan, const Vec3& q, double reach,
                                        bool others, SurfaceScratch& scratch, double* radius = nullptr) {
   scratch.near.resize(scan.neighbours + (others ? 1 : 0));
@@ -92,7 +88,7 @@ std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan,
   }
   const Moments m = moments(scratch.offsets);
   const PrincipalAxes frame = principal_axes(m.covariance);
-  // One line of samples, or a clump, is no surface.
+  // Collinear or clustered samples define no surface.
   if (frame.values.y < 0.02 * frame.values.z || frame.values.x > 0.5 * frame.values.y) return std::nullopt;
   double widest = 0;
   for (const Vec3f& d : scratch.offsets) {
@@ -143,7 +139,7 @@ void choose_samples(const PointSet& points, std::size_t most, Scan& scan) {
   scan.mass.bottomRightCorner<3, 3>() = inertia / (scan.radius * scan.radius);
 }
 
-/// Spacing and noise of a scan by itself.
+/// Estimates the spacing and noise of a scan.
 void measure_scan(const PointSet& points, Scan& scan) {
   const std::size_t places = std::min<std::size_t>(scan.chosen.size(), 400);
   std::vector<std::optional<std::array<double, 2>>> found(places);
@@ -160,8 +156,8 @@ void measure_scan(const PointSet& points, Scan& scan) {
   for (const auto& one : found)
     if (one) heights.push_back((*one)[0]), radii.push_back((*one)[1]);
   scan.spacing = median(radii) * std::sqrt(std::numbers::pi / static_cast<double>(kOfQuadric));
-  // The height at its middle of a quadric through n samples has a variance of about four nths of theirs.
-  scan.noise = kDeviationOfMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+  // A quadric through n samples has a variance of about 4/n of theirs at its centre.
+  scan.noise = kDeviationOverMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   if (scan.spacing > 0)
     scan.neighbours =
         std::min(kMostOfQuadric,
@@ -181,9 +177,9 @@ struct Comparison {
   Vec3 place, normal;
 };
 
-/// Of every so many of the chosen samples.
+/// Compares every `every`-th chosen sample.
 std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>& scans,
-                                const std::vector<RigidMotion>& motions, double reach, std::size_t every = 1) {
+                                const std::vector<Similarity>& motions, double reach, std::size_t every = 1) {
   std::vector<Comparison> all;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::vector<std::uint32_t>& chosen = scans[s].chosen;
@@ -198,13 +194,13 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
         const Vec3 n = motions[s].turn(Vec3(points.normals[i]));
         for (std::size_t t = 0; t < scans.size(); ++t) {
           if (t == s) continue;
-          const Vec3 q = motions[t].inverse(p);
+          const Vec3 q = motions[t].back(p);
           if (!box_near(scans[t].box, q, reach)) continue;
           const double aside = 1.5 * scans[t].spacing;
           const auto there = surface_at(points, scans[t], q, std::hypot(reach, aside), false, scratch);
           if (!there || std::abs(there->height) > reach) continue;
           const Vec3 normal = motions[t].turn(there->normal);
-          if (dot(normal, n) < kLeastCosine) continue;
+          if (dot(normal, n) < kLeastNormalCosine) continue;
           parts[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t), there->height, p, normal});
         }
       }
@@ -214,7 +210,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
   return all;
 }
 
-/// Mean of Tukey's loss, at most 1, over all that lies within the widest reach.
+/// Mean of Tukey's loss, at most 1, over all comparisons within the widest reach.
 double mean_loss(const std::vector<Comparison>& all, double width) {
   double sum = 0;
   for (const Comparison& c : all) {
@@ -224,19 +220,9 @@ double mean_loss(const std::vector<Comparison>& all, double width) {
   return all.empty() ? 0 : sum / static_cast<double>(all.size());
 }
 
-/// The rotation by a vector.
-RigidMotion rotation_by(const Vec3& w) {
-  const double angle = norm(w);
-  const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
-}
-
-/// One step of Gauss and Newton's: the rms displacement of the scan that it moves most.
+/// One Gauss–Newton step; returns the largest rms displacement of a scan.
 double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& all, double width,
-                 std::vector<RigidMotion>& motions) {
+                 std::vector<Similarity>& motions) {
   const std::size_t n = scans.size();
   std::vector<Vec3> centers(n);
   for (std::size_t s = 0; s < n; ++s) centers[s] = motions[s](scans[s].centroid);
@@ -263,13 +249,13 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
     b.segment<6>(i) -= w * c.height * of;
     b.segment<6>(j) -= w * c.height * to;
   }
-  // In the metric of the motions of samples: then what distances do not tell, above all the motion of everything
-  // together, stays zero.
+  // Damping in the metric of sample displacements keeps undetermined motions at zero, in particular the common motion
+  // of all scans.
   for (std::size_t s = 0; s < n; ++s) {
     const Eigen::Index i = 6 * static_cast<Eigen::Index>(s);
     a.block<6, 6>(i, i) += kDamping * scans[s].mass;
   }
-  // Of scans in one plane not even that tells the rotation.
+  // For coplanar scans not even this determines the rotation.
   a.diagonal().array() += 1e-12 * a.diagonal().maxCoeff();
   const Eigen::VectorXd x = a.selfadjointView<Eigen::Lower>().ldlt().solve(b);
   double most = 0;
@@ -277,15 +263,12 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
     const Six d = x.segment<6>(6 * static_cast<Eigen::Index>(s));
     if (!d.allFinite()) continue;
     most = std::max(most, std::sqrt(d.dot(scans[s].mass * d) / static_cast<double>(scans[s].chosen.size())));
-    const RigidMotion turn = rotation_by(Vec3{d[3], d[4], d[5]} / scans[s].radius);
-    RigidMotion& m = motions[s];
-    m = {turn.turn(m.x), turn.turn(m.y), turn.turn(m.z),
-         turn.turn(m.shift - centers[s]) + centers[s] + Vec3{d[0], d[1], d[2]}};
+    motions[s] = motions[s].moved(centers[s], Vec3{d[3], d[4], d[5]} / scans[s].radius, 1, Vec3{d[0], d[1], d[2]});
   }
   return most;
 }
 
-/// Of the samples of each scan off the others, and of theirs off it, as far as they are within reach.
+/// Deviations of the samples of each scan from the others, and of theirs from it, within reach.
 std::vector<double> deviations_of(const std::vector<Comparison>& all, std::size_t scans, double reach) {
   std::vector<std::vector<double>> heights(scans);
   for (const Comparison& c : all)
@@ -295,7 +278,7 @@ std::vector<double> deviations_of(const std::vector<Comparison>& all, std::size_
     }
   std::vector<double> found(scans);
   for (std::size_t s = 0; s < scans; ++s)
-    found[s] = kDeviationOfMedian * median(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+    found[s] = kDeviationOverMedian * median(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   return found;
 }
 
@@ -303,7 +286,7 @@ std::size_t index_of_largest(const std::vector<double>& values) {
   return values.empty() ? 0 : static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
 
-/// Those that have a place in common with another one, as far as their boxes tell.
+/// Scans whose boxes overlap that of another scan.
 std::vector<Scan> scans_of(const PointSet& points) {
   std::vector<Scan> all;
   std::vector<std::size_t> counts(PointSet::kUnknownScan, 0), slot(PointSet::kUnknownScan, 0);
@@ -380,7 +363,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   std::vector<Scan> scans = scans_of(points);
   if (scans.size() < 2) return result;
   if (scans.size() > kMostMovableScans)
-    throw DataError("more than " + std::to_string(kMostMovableScans) + " scans that overlap: too many to be aligned");
+    throw DataError("more than " + std::to_string(kMostMovableScans) + " overlapping scans: too many to align");
 
   std::vector<double> noises, spacings;
   for (Scan& scan : scans) {
@@ -397,9 +380,9 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   const double widest = kWidestReach * result.spacing;
   const double narrowest = std::max(kNarrowestReach * result.spacing, kNoiseReach * result.noise);
 
-  std::vector<RigidMotion> motions(scans.size());
+  std::vector<Similarity> motions(scans.size());
   double width = widest;
-  // On the way, and to tell whether it was worth going, few of the samples are enough.
+  // Few samples suffice for the first steps and for checking convergence.
   const std::size_t check_every = std::max<std::size_t>(options.samples / kOnTheWay, 1);
   std::size_t every = check_every;
   for (int round = 0; round < options.rounds; ++round) {
@@ -417,7 +400,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   }
   if (result.rounds == 0) return result;
   const std::vector<Comparison> before =
-      compare(points, scans, std::vector<RigidMotion>(scans.size()), widest, check_every);
+      compare(points, scans, std::vector<Similarity>(scans.size()), widest, check_every);
   const std::vector<double> deviations = deviations_of(before, scans.size(), widest);
   for (std::size_t s = 0; s < scans.size(); ++s) result.deviations[scans[s].number] = deviations[s];
   const double loss_after = mean_loss(compare(points, scans, motions, widest, check_every), narrowest);
@@ -435,13 +418,13 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   return result;
 }
 
-void move_scans(PointSet& points, const std::vector<RigidMotion>& motions) {
+void move_scans(PointSet& points, const std::vector<Similarity>& motions) {
   const auto known = [&](std::uint16_t scan) { return scan != PointSet::kUnknownScan; };
   for (const std::uint16_t s : points.scan_of_point)
-    if (known(s) && s >= motions.size()) throw ArgumentError("move_scans: a motion of each scan is needed");
+    if (known(s) && s >= motions.size()) throw ArgumentError("move_scans: every scan needs a motion");
   parallel_for(0, points.scan_of_point.size(), 16384, [&](std::size_t i) {
     if (!known(points.scan_of_point[i])) return;
-    const RigidMotion& m = motions[points.scan_of_point[i]];
+    const Similarity& m = motions[points.scan_of_point[i]];
     points.positions[i] = Vec3f(m(Vec3(points.positions[i])));
     if (!points.normals.empty()) points.normals[i] = Vec3f(m.turn(Vec3(points.normals[i])));
     if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.turn(Vec3(points.grid_normals[i])));

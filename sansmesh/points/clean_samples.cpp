@@ -6,40 +6,34 @@
 #include <limits>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/points/duplicates.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kQuantile = 0.001;
-constexpr float kMargin = 2;  // extents of the box between the quantiles
+constexpr float kMargin = 2;  // in extents of the box between the quantiles
 constexpr std::size_t kBoxSamples = 100000;
 constexpr double kManyDuplicates = 0.01;
 
-/// The box of nearly all samples, with a wide margin. Where nearly all lie at one place it holds everything: the others
-/// are not far away from a cloud, they are the cloud.
+/// Box of nearly all samples with a wide margin. If nearly all samples coincide, the box contains everything: then the
+/// other samples are the cloud, not remote from it.
 Box3f main_box(const PointSet& points) {
   const std::size_t stride = 1 + points.size() / kBoxSamples;
   std::vector<float> values((points.size() + stride - 1) / stride);
-  const auto cut = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(values.size()));
+  const auto cut = static_cast<std::size_t>(kQuantile * static_cast<double>(values.size()));
   Box3f box{{0, 0, 0}, {0, 0, 0}};
   float extent = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = points.positions[i * stride][k];
-    std::nth_element(values.begin(), values.begin() + cut, values.end());
-    box.lower[k] = values[static_cast<std::size_t>(cut)];
-    std::nth_element(values.begin(), values.end() - 1 - cut, values.end());
-    box.upper[k] = *(values.end() - 1 - cut);
+    box.lower[k] = nth_smallest(values, cut);
+    box.upper[k] = nth_smallest(values, values.size() - 1 - cut);
     extent = std::max(extent, box.upper[k] - box.lower[k]);
   }
   const float wide = extent > 0 ? kMargin * extent : std::numeric_limits<float>::infinity();
   const Vec3f margin{wide, wide, wide};
   return {box.lower - margin, box.upper + margin};
-}
-
-bool contains(const Box3f& box, const Vec3f& p) {
-  return p.x >= box.lower.x && p.x <= box.upper.x && p.y >= box.lower.y && p.y <= box.upper.y && p.z >= box.lower.z &&
-         p.z <= box.upper.z;
 }
 
 }  // namespace
@@ -57,7 +51,7 @@ SampleCleaning clean_samples(PointSet& points) {
   const Box3f box = main_box(points);
   mask.assign(points.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    mask[i] = !contains(box, points.positions[i]);
+    mask[i] = !box.contains(points.positions[i]);
     cleaning.far_away += mask[i];
   }
   if (cleaning.far_away > 0) remove_samples(points, mask);

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/equal_positions.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/search/neighbour.h"
 
@@ -23,8 +24,8 @@ void check_distance(double distance) {
   if (!(distance >= 0 && distance < 1e18)) throw ArgumentError("a distance between points must lie in 0..1e18");
 }
 
-/// Points in the order of a tree, in runs of eight, eight of these and so on. Where all points of a run are as close to
-/// each other as the distance it counts as one: so many points at one place cost no more than one.
+/// Points in tree order, in runs of eight points, eight runs and so on. A run whose points are all within the distance
+/// of each other counts as one point, so that many coincident points cost no more than one.
 class CompactRuns {
  public:
   CompactRuns(const KdTree& tree, float distance) : limit_(distance * distance), points_(tree.positions()) {
@@ -45,10 +46,10 @@ class CompactRuns {
   }
 
   std::size_t size() const { return points_.size(); }
-  /// The first of the points that count as one with it.
+  /// First of the points that are merged with this one.
   std::uint32_t first(std::size_t slot) const { return first_[slot]; }
 
-  /// Calls close(first) for one point of each run before that of `slot` in which there is a point close to it.
+  /// Calls close(first) for one point of each run before that of `slot` that contains a close point.
   template <class Close>
   void for_each_close_before(std::uint32_t slot, const Close& close) const {
     look(levels_.size() - 1, 0, slot, close);
@@ -62,7 +63,8 @@ class CompactRuns {
   std::size_t end_below(std::size_t level, std::size_t run) const {
     return std::min((run + 1) * kTreeWidth, levels_[level - 1].size());
   }
-  // Rounding is monotone: no two points of a box are farther from each other than its corners, nor any from a point.
+  // Rounding is monotone: no two points of a box are farther apart than its corners, and no point of a box is farther
+  // from a point than its corners.
   bool compact(std::size_t level, std::size_t run) const {
     const Box3f& box = levels_[level][run];
     return squared_distance(box.upper, box.lower) <= limit_;
@@ -124,6 +126,7 @@ class CompactRuns {
 
 std::vector<std::uint32_t> close_representatives(std::span<const Vec3f> positions, double distance) {
   check_distance(distance);
+  if (distance == 0) return first_equal_positions(positions);
   const KdTree tree(positions);
   std::vector<std::uint32_t> of(positions.size(), kUnclaimed);
   std::vector<Neighbour> near;
@@ -145,7 +148,7 @@ CloudComponents find_cloud_components(std::span<const Vec3f> positions, double d
   progress.begin("components", tree.size());
   UnionFind sets(positions.size());
   for (std::size_t slot = 0; slot < runs.size(); ++slot) sets.join(order[runs.first(slot)], order[slot]);
-  // Queries in parallel, joins one after the other.
+  // Parallel queries, sequential joins.
   struct Edge {
     std::uint32_t a, b;
   };
@@ -177,14 +180,7 @@ CloudComponents find_cloud_components(std::span<const Vec3f> positions, double d
     result.of_point[i] = c;
     ++result.points[c];
   }
-  std::vector<std::uint32_t> largest(result.size()), rank(result.size());
-  std::iota(largest.begin(), largest.end(), 0u);
-  std::stable_sort(largest.begin(), largest.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return result.points[a] > result.points[b]; });
-  std::vector<std::size_t> points(result.size());
-  for (std::uint32_t k = 0; k < rank.size(); ++k) rank[largest[k]] = k, points[k] = result.points[largest[k]];
-  result.points = std::move(points);
-  for (std::uint32_t& c : result.of_point) c = rank[c];
+  number_largest_first(result.of_point, result.points);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Points that lie close together: as one, or as connected parts of a cloud.
+// Merges or connects points that are close together.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Of each point the index of the one that stands for it: itself, or the first point no farther than `distance`
-/// (length,
-/// >= 0) that stands for itself. So no two that stand for themselves are as close as that, and nobody moves farther.
-/// Points that are not finite stand for themselves.
+/// Index of the representative of each point: itself, or the first representative within `distance` (length, >= 0).
+/// No two representatives are that close, and no point moves farther. Non-finite points represent themselves.
 std::vector<std::uint32_t> close_representatives(std::span<const Vec3f> positions, double distance);
 
-/// Connected parts of a cloud.
+/// Connected components of a cloud.
 struct CloudComponents {
-  std::vector<std::uint32_t> of_point;  ///< 0 is the part with the most points (of several, that of the first point)
-  std::vector<std::size_t> points;      ///< of each part
+  std::vector<std::uint32_t>
+      of_point;  ///< component of each point; 0 is the largest one (of equal ones, that of the first point)
+  std::vector<std::size_t> points;  ///< number of points per component
   std::size_t size() const { return points.size(); }
 };
 
-/// Points no farther from each other than `distance` (length, >= 0) are connected; what is not finite, to nothing.
+/// Connects points within `distance` (length, >= 0) of each other; non-finite points stay isolated.
 CloudComponents find_cloud_components(std::span<const Vec3f> positions, double distance, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -12,20 +12,20 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kShapeChunk = 65536;
 
-/// Of the length of a cloud, from where on there is nothing between its parts.
+/// Least gap between parts, relative to the length of the cloud.
 constexpr double kEmptyShare = 0.3;
 
 struct CloudSpan {
   CloudShape shape = CloudShape::empty;
   Vec3 center;
-  double diagonal = 0;  ///< of the box
-  Vec3 longest;         ///< principal axis; zero of points
+  double diagonal = 0;  ///< diagonal of the box
+  Vec3 longest;         ///< principal axis; zero for a single point
 };
 
 CloudSpan span_of(const PointSet& points) {
-  // Offsets from the middle of the box in double: no cancellation even far from the origin.
+  // Offsets from the centre of the box in double avoid cancellation far from the origin.
   Box3f box;
   std::size_t finite = 0;
   for (const Vec3f& p : points.positions)
@@ -46,7 +46,7 @@ CloudSpan span_of(const PointSet& points) {
   };
   const auto offset = [&](std::size_t i) { return (Vec3(positions[i]) - center) / diagonal; };
   const Vec3 mean = parallel_reduce(
-                        positions.size(), kChunk, Vec3{},
+                        positions.size(), kShapeChunk, Vec3{},
                         [&](std::size_t first, std::size_t last) {
                           Vec3 sum;
                           for (std::size_t i = first; i < last; ++i)
@@ -56,7 +56,7 @@ CloudSpan span_of(const PointSet& points) {
                         [](Vec3 a, const Vec3& b) { return a + b; }) /
                     static_cast<double>(finite);
   const Symmetric3 covariance = parallel_reduce(
-      positions.size(), kChunk, Symmetric3{},
+      positions.size(), kShapeChunk, Symmetric3{},
       [&](std::size_t first, std::size_t last) {
         Symmetric3 sum;
         for (std::size_t i = first; i < last; ++i)

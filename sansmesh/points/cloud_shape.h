@@ -1,4 +1,4 @@
-// Whether a cloud spans a volume, or less.
+// Dimension of the space that a cloud spans.
 #pragma once
 
 #include <optional>
@@ -7,21 +7,21 @@
 
 namespace sansmesh::inline v1 {
 
-/// What a cloud spans.
+/// Dimension of a cloud.
 enum class CloudShape { empty, point, line, plane, volume };
 
-/// Extents along the principal axes, relative to the largest one: below 1e-6 (plus what rounding the coordinates to
-/// float makes) there is none. Non-finite positions are ignored.
+/// Compares the extents along the principal axes with the largest one: an extent below 1e-6 of it (plus rounding of the
+/// coordinates to float) counts as zero. Ignores non-finite positions.
 CloudShape classify_shape(const PointSet& points);
 
-/// Two parts of a cloud with nothing between them.
+/// Two parts of a cloud separated by empty space.
 struct FarParts {
-  double apart = 0;  ///< along the longest axis of the cloud (length)
-  double size = 0;   ///< diagonal of the larger one's box (length)
+  double apart = 0;  ///< distance along the longest axis of the cloud (length)
+  double size = 0;   ///< diagonal of the larger part's box (length)
 };
 
-/// Parts that lie so far from each other that the cloud seems to span less than one of them does, or that the points of
-/// each cannot be told apart beside their distance. Nothing where a cloud is what classify_shape says.
+/// Finds parts so far apart that the cloud appears to span fewer dimensions than one of them, or that float cannot
+/// resolve the points of each. Nothing if classify_shape describes the cloud correctly.
 std::optional<FarParts> find_far_parts(const PointSet& points);
 
 }  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kFaces[] = {"auto", "ignore", "sample", "vertices"};
 constexpr std::string_view kNormals[] = {"auto", "given", "estimate"};
 
-/// Names and numbers of classes.
+/// Conversion of classes from and to text.
 struct ClassWords {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const PointClasses& classes) { return point_classes_text(classes); }
@@ -24,14 +24,14 @@ constexpr OptionRow kRows[] = {
                  "auto (sample where vertices are sparse)",
          .choices = kFaces}),
     option<&CloudPreparation::normals>(
-        {.text = "Use given ones as they are, estimate new ones, or auto (turn given ones if need be)",
+        {.text = "Use given ones unchanged, estimate new ones, or auto (flip given ones if necessary)",
          .choices = kNormals}),
     option<&CloudPreparation::orient_by>(
-        {.text = "From what normals get their signs (auto: the first that is known)", .choices = kOrientByWords}),
-    option<&CloudPreparation::align>({.text = "Move scans that do not quite fit together onto each other"}),
-    option<&CloudPreparation::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
+        {.text = "Source of the signs of normals (auto: the first known one)", .choices = kOrientByWords}),
+    option<&CloudPreparation::align>({.text = "Align slightly misregistered scans"}),
+    option<&CloudPreparation::remove_outliers>({.text = "Remove stray samples, which belong to no surface"}),
     option<&CloudPreparation::classes, ClassWords>(
-        {.text = "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)",
+        {.text = "Only points of these comma-separated classes: names (ground, building) or numbers (2, 3-5)",
          .unit = "classes",
          .from_data = "all",
          .name = "class"})};

@@ -11,28 +11,28 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Reach of a sample over the local spacing: of samples placed at random, one in ten million has all others so far to
-/// one side that it would count as a border.
+/// Reach of a sample over the local spacing: among random samples, one in ten million has all its neighbours so far to
+/// one side that it counts as a border.
 constexpr double kReachOverSpacing = 3;
 /// One-sidedness half a spacing beyond a straight border.
 constexpr double kOneSided = 0.42;
-/// A sample lies at a border if it sees others a little to one side, and so many reaches away from them the surface has
-/// ended.
+/// Border samples have a one-sidedness above the first value; the surface ends this many reaches away from their
+/// neighbours (second value).
 constexpr float kAtBorder = 0.1f, kBeyond = 0.45f;
 
-/// The same a tenth of a reach beyond a straight border, and nowhere around a hole narrower than two reaches.
+/// One-sidedness a tenth of a reach beyond a straight border; not reached around a hole narrower than two reaches.
 constexpr double kAlongBorder = 0.35;
-/// Edge of the lattice that keeps one sample a cell, over the least local spacing.
+/// Edge of the thinning lattice (one sample per cell), relative to the least local spacing.
 constexpr double kThinned = 0.5;
-/// Samples that close wide holes are so many to a reach.
+/// Number per reach of the samples that close wide holes.
 constexpr double kWideSamples = 6;
 
-/// The first sample in each cell of a lattice, in the order of the cells.
+/// First sample in each cell of a lattice, in the order of the cells.
 std::vector<Vec3f> thinned(std::span<const Vec3f> samples, double cell) {
   Box3f box;
   for (const Vec3f& p : samples) box.extend(p);
   std::vector<KeyIndex> cells(samples.size());
-  static constexpr std::uint64_t kMostCells = 2097151;  // 21 bits each
+  static constexpr std::uint64_t kMostCells = 2097151;  // 21 bits per axis
   const Vec3 size(box.size());
   const double edge = std::max(cell, std::max({size.x, size.y, size.z}) / kMostCells);
   parallel_for(0, samples.size(), 16384, [&](std::size_t i) {
@@ -50,7 +50,7 @@ std::vector<Vec3f> thinned(std::span<const Vec3f> samples, double cell) {
 }  // namespace
 
 Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill) {
-  // Where they are much closer together than elsewhere, most of them say nothing new.
+  // Removes redundant samples where they are much denser than elsewhere.
   const KdTree tree(thinned(samples, kThinned * kLeastLocal * spacing));
   all_.samples = tree.positions();
   all_.reach.resize(all_.samples.size());
@@ -94,7 +94,7 @@ Vec3f Coverage::Layer::to_samples(const Vec3f& x, std::vector<std::uint32_t>& ne
     if (!(inside > 0)) continue;
     sum += d * (inside * inside), weight += inside * inside;
   }
-  // Out of reach of all: what matters is that it is outside; the contour is far.
+  // Out of reach of all samples: only the sign matters, the contour is far away.
   return weight > 0 ? sum / weight : Vec3f{1, 0, 0};
 }
 

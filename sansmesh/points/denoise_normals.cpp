@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::size_t kSlots = 2048;
 constexpr std::size_t kCandidates = 24;
-constexpr std::size_t kReach = 4;  ///< candidates are this many times more samples than the blur: twice as far
-constexpr float kClearly = 1.15f;  ///< how many times more support a plane must have to win
-constexpr float kAtLeast = 1.5f;   ///< and how many samples more
-constexpr float kAlike = 0.9903f;  ///< cos 8°: candidates this near to the own normal are left to the averages
+constexpr std::size_t kReach = 4;  ///< ratio of candidates to samples in the blur: twice its radius
+constexpr float kClearly = 1.15f;  ///< factor of support that a plane needs to win
+constexpr float kAtLeast = 1.5f;   ///< and least difference in samples
+constexpr float kAlike = 0.9903f;  ///< cos 8°: candidates this close are left to averaging
 constexpr std::size_t kLeastVoters = 24;
 
-/// n or −n, whichever is on the side of `reference`.
+/// n or −n, on the side of `reference`.
 Vec3f aligned(const Vec3f& n, const Vec3f& reference) { return dot(n, reference) < 0 ? -n : n; }
 
 class NormalDenoiser {
@@ -84,14 +84,14 @@ class NormalDenoiser {
     const std::vector<Vec3f> before = normals_;
     const std::size_t count = std::clamp<std::size_t>(blur_ / 2, 12, 60);
     const float angle = static_cast<float>(-0.5 / (options_.angle * options_.angle));
-    // The height of a neighbour over the plane tells another face only where it is more than that of a curved one.
+    // The height of a neighbour over the plane indicates another face only if it exceeds that of curvature.
     const float height = thickness_ > 0 ? -0.125f / (thickness_ * thickness_) : 0;
     parallel_ranges(0, tree_.size(), kSlots, [&](std::size_t first, std::size_t last) {
       tree_.for_each_nearest(count, first, last, [&](std::uint32_t slot, std::span<const Neighbour> found) {
         const Vec3f own = before[slot];
         if (found.size() < 3 || squared_norm(own) == 0 || !(found.back().squared_distance > 0)) return;
         const float distance = -2 / found.back().squared_distance;
-        // Weighted linear regression over the tangent plane: plain averages are drawn towards where the samples are.
+        // Weighted linear regression over the tangent plane: plain averages are biased towards denser samples.
         Vec3f t, b;
         tangent_frame(own, t, b);
         float s0 = 0, su = 0, sv = 0, suu = 0, suv = 0, svv = 0;
@@ -107,8 +107,8 @@ class NormalDenoiser {
           n0 += other * w, nu += other * (w * u), nv += other * (w * v);
         }
         if (!(s0 > 0)) return;
-        // The value at the sample: Σ w (1 − α u − β v) n with the slopes' moments taken out. A little is added to the
-        // diagonal: one-sided neighbours at creases do not carry a slope far.
+        // Value at the sample: Σ w (1 − α u − β v) n, with the moments of the slopes removed. A small ridge limits the
+        // extrapolation of slopes by one-sided neighbours at creases.
         const float ridge = 0.1f * (suu + svv);
         const float a00 = suu + ridge, a11 = svv + ridge, determinant = a00 * a11 - suv * suv;
         if (determinant > 0) {
@@ -127,8 +127,8 @@ class NormalDenoiser {
   std::size_t size() const { return tree_.size(); }
 
  private:
-  /// How many neighbours a plane with this normal holds, by Geman and McClure's kernel of their heights over it. The
-  /// sample itself is off the surface by noise: the plane may pass beside it.
+  /// Support of a plane with this normal: Geman–McClure weights of the neighbours' heights over it. The sample itself
+  /// deviates from the surface by noise, so the plane may be shifted.
   float support(std::span<const Vec3f> offsets, std::span<const float> weights, const Vec3f& normal) const {
     float shift = 0, sum = 0;
     for (int round = 0; round < (noisy_ ? 2 : 1); ++round) {

@@ -1,4 +1,4 @@
-// Samples at the same position.
+// Samples at equal positions.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// Number of different finite positions (-0 equals 0).
+/// Number of distinct finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
 
-/// About which share of the samples repeats the position of another one: counted over all of a small cloud. Of a large
-/// one two counts are added: of positions that very many samples share, which one sample in 64 tells, and of all other
-/// samples, for which one position in 64 stands, chosen by the position, so that pairs are not parted.
+/// Approximate share of samples that repeat the position of another one; exact for small clouds. For large clouds it
+/// adds two counts: positions shared by very many samples, found from one sample in 64; and the other samples,
+/// represented by one position in 64, chosen by position so that pairs stay together.
 double duplicate_share(const PointSet& points);
 
-/// The finite positions, each once, in their order.
+/// Distinct finite positions in their order.
 std::vector<Vec3f> different_positions(std::span<const Vec3f> positions);
 
-/// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
+/// 1 for samples with the position of a sample of lower index or a non-finite position, otherwise 0.
 std::vector<std::uint8_t> find_duplicates(const PointSet& points);
 
 }  // namespace sansmesh::inline v1

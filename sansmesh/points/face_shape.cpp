@@ -11,40 +11,40 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Share of the edges that may lack a second triangle or have two that turn the same way.
+/// Largest share of edges without a second triangle or with two triangles of the same direction.
 constexpr double kOddEdges = 0.01;
-/// Parts that enclose less than this share of all are not asked for their side.
+/// Parts with less than this share of the volume are not classified.
 constexpr double kTinyPart = 1e-6;
-/// More cavities than this are rather faces that were turned at random.
+/// More cavities than this indicate randomly oriented faces.
 constexpr std::size_t kMostCavities = 1000;
 
 constexpr std::size_t kEnoughVertices = 1000;
 constexpr double kLongEdge = 5;        // in spacings of the vertices
-constexpr double kSparseShare = 0.05;  // of the area may lie in triangles with such edges
-constexpr double kThinShare = 0.03;    // of the area may have the other side as near as other vertices of its own
-/// Of a mesh that is too thin: samples for each vertex; on top of these samples across its thickness where all of it is
-/// thin, fewer where less is, since they are spread over all of it; and the most of a large mesh for each vertex.
+constexpr double kSparseShare = 0.05;  // largest share of the area in triangles with such edges
+constexpr double kThinShare = 0.03;    // largest share of the area with a near opposite side
+/// For meshes that are too thin: samples across the thickness of a completely thin mesh (fewer if less of it is thin,
+/// as they are distributed over all of it); least number of samples per vertex; and largest number per vertex of a
+/// large mesh.
 constexpr double kAcross = 8;
 constexpr std::size_t kLeastOfVertex = 2, kMostOfVertex = 2;
 
 constexpr std::size_t kProbes = 4000;
-/// Deepest other side, and how far beside the place its vertices may be, in longest edges.
+/// Largest depth of the opposite side, and largest lateral distance of its vertices, in longest edges.
 constexpr float kDepth = 1.5f, kBeside = 0.6f;
-/// Cosine from which on downwards normals are those of the other side.
+/// Largest cosine between normals of opposite sides.
 constexpr float kOtherSide = -0.3f;
-/// The same of the sum of those of the three corners, which are on this side.
+/// Least cosine between a face normal and the sum of the normals at its three corners.
 constexpr float kOwnSide = 0.9f;
 
 bool is_triangle(const PointSet& mesh, const Triangle& t) {
-  const std::size_t n = mesh.size();
-  return t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0] &&
-         is_finite(mesh.positions[t[0]]) && is_finite(mesh.positions[t[1]]) && is_finite(mesh.positions[t[2]]);
+  return has_distinct_corners(t) && has_valid_corners(mesh.positions, t);
 }
 
 float longest_edge(const PointSet& mesh, const Triangle& t) {
@@ -54,7 +54,7 @@ float longest_edge(const PointSet& mesh, const Triangle& t) {
 
 /// Whether nearly every edge has two triangles, one in each direction.
 bool nearly_all_edges_match(const PointSet& mesh) {
-  // Under its lower end each edge of each triangle: the other end, and in the lowest bit the direction.
+  // Stores each edge of each triangle under its lower end: the other end, and the direction in the lowest bit.
   std::vector<std::uint32_t> first(mesh.size() + 1, 0);
   const auto each_edge = [&](const auto& visit) {
     for (const Triangle& t : mesh.triangles)
@@ -116,10 +116,10 @@ bool holds(const Box3f& outer, const Box3f& inner) {
   return true;
 }
 
-/// How the triangles lie among the vertices.
+/// Density of the vertices relative to the triangles.
 struct Density {
-  double area = 0;    ///< of all
-  double sparse = 0;  ///< of those with edges longer than `limit`
+  double area = 0;    ///< total area
+  double sparse = 0;  ///< area of triangles with edges longer than `limit`
   double limit = 0;   ///< kLongEdge spacings of the vertices (length)
 };
 
@@ -167,12 +167,12 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest) {
   if (probes.empty()) return {};
   const std::vector<Vec3f> normals = normals_from_faces(mesh);
   const KdTree vertices(mesh.positions);
-  std::vector<float> depth(probes.size(), 0);  // 0: no other side
+  std::vector<float> depth(probes.size(), 0);  // 0: no opposite side
   parallel_for(0, probes.size(), 64, [&](std::size_t i) {
     const FaceSample& probe = probes[i];
     const Triangle& t = mesh.triangles[probe.triangle];
     const float edge = std::min(longest_edge(mesh, t), static_cast<float>(longest));
-    // A face that looks the other way than those around it, as in soups, tells nothing.
+    // Faces oriented against their neighbours, as in polygon soups, are not informative.
     if (!(dot(normals[t[0]] + normals[t[1]] + normals[t[2]], probe.normal) > kOwnSide)) return;
     const Vec3f p(probe.position);
     std::vector<Neighbour> near;

@@ -10,19 +10,20 @@
 #include <span>
 #include <string_view>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Seconds. No turn of an aircraft is as short as the pause; along a stretch it hardly turns.
+/// Seconds. A turn of an aircraft takes longer than the pause; within a stretch it hardly turns.
 constexpr double kPause = 10, kStretch = 20;
-/// A stretch with fewer samples, or with angles that vary less (rms, tangent), does not show where it was flown.
+/// Stretches with fewer samples, or less variation of the angle (rms of the tangent), do not determine the flight path.
 constexpr std::size_t kFewestInStretch = 100;
 constexpr double kLeastSpread = 0.01;
-/// What the angles leave of the variance across the path: rounded angles and hills.
+/// Largest unexplained share of the variance across the path: rounded angles and hills.
 constexpr double kMostLeft = 0.3;
-/// Angles beyond this (degrees) are none.
+/// Larger angles (degrees) are invalid.
 constexpr double kLargestAngle = 80;
 
 constexpr std::array<std::string_view, 7> kAngleNames{"scan_angle",     "scananglerank",          "scan_angle_rank",
@@ -33,24 +34,19 @@ constexpr std::array<std::string_view, 4> kLineNames{"point_source_id", "pointso
 constexpr std::array<std::string_view, 4> kTimeNames{"gps_time", "gpstime", "scalar_gps_time", "scalar_gpstime"};
 constexpr std::array<std::string_view, 3> kReturnNames{"return_number", "returnnumber", "scalar_return_number"};
 
-/// Of one component, by the first of these names that there is, in whatever capitals.
+/// First existing attribute of one component among these names, ignoring case.
 const Attribute* find_named(const PointSet& points, std::span<const std::string_view> names) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view name : names)
-    for (const Attribute& a : points.attributes) {
-      const bool same =
-          a.name.size() == name.size() && std::equal(a.name.begin(), a.name.end(), name.begin(),
-                                                     [&](char one, char other) { return lower(one) == other; });
-      if (same && a.components == 1 && a.size() == points.size()) return &a;
-    }
+    for (const Attribute& a : points.attributes)
+      if (lower_case(a.name) == name && a.components == 1 && a.size() == points.size()) return &a;
   return nullptr;
 }
 
-/// Positions over the ground against time and the tangent of the angle, both from the middle: sums of products.
+/// Sums of products of horizontal position, time and tangent of the angle, about their means.
 struct StretchSums {
   double n = 0;
-  std::array<double, 4> mean{};                  ///< of x, y, t, tan θ
-  std::array<std::array<double, 4>, 4> product;  ///< of their deviations
+  std::array<double, 4> mean{};                  ///< means of x, y, t, tan θ
+  std::array<std::array<double, 4>, 4> product;  ///< products of the deviations
 
   explicit StretchSums(std::span<const std::array<double, 4>> rows) : n(static_cast<double>(rows.size())) {
     for (const auto& row : rows)
@@ -61,11 +57,11 @@ struct StretchSums {
         for (std::size_t k = 0; k < 4; ++k) product[j][k] += (row[j] - mean[j]) * (row[k] - mean[k]);
   }
 
-  /// Unit vector across the path, to where angles are positive; none if they do not tell.
+  /// Unit vector across the path towards positive angles; nothing if undetermined.
   std::optional<Vec3> across() const {
     const double tt = product[2][2], aa = product[3][3], ta = product[2][3];
     if (!(aa > n * kLeastSpread * kLeastSpread)) return std::nullopt;
-    // Without times, or where these tell the same as the angles, the angles alone.
+    // Without times, or if times and angles are collinear, only the angles are used.
     const bool timed = tt > 0 && ta * ta < 0.5 * tt * aa;
     const double determinant = timed ? tt * aa - ta * ta : aa;
     const auto slope = [&](std::size_t k) {
@@ -77,7 +73,7 @@ struct StretchSums {
     const Vec3 side = w / length;
     const auto along_side = [&](std::size_t k) { return side.x * product[0][k] + side.y * product[1][k]; };
     const double total = side.x * along_side(0) + side.y * along_side(1);
-    // What time and angle explain together; without times, what the angle does.
+    // Variance explained by time and angle together; without times, by the angle only.
     const double by_angle = along_side(3), by_time = along_side(2);
     const double explained =
         timed ? (by_angle * by_angle * tt - 2 * by_angle * by_time * ta + by_time * by_time * aa) / determinant
@@ -118,7 +114,7 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
   };
   if (!std::is_sorted(order.begin(), order.end(), before)) std::sort(order.begin(), order.end(), before);
 
-  std::vector<std::size_t> first{0};  // of each stretch
+  std::vector<std::size_t> first{0};  // start of each stretch
   for (std::size_t k = 1; k < order.size(); ++k) {
     const double t = time_of(order[k]);
     if (line_of(order[k]) != line_of(order[k - 1]) || t - time_of(order[k - 1]) > kPause ||

@@ -1,4 +1,4 @@
-// Where the sensor of a survey from the air was, seen from each sample.
+// Directions to the sensor of an airborne survey.
 #pragma once
 
 #include <vector>
@@ -7,16 +7,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// Unit directions from the samples to the sensor that saw them, which flew above; empty if the attributes do not tell.
-/// The scan angle θ of a sample (degrees from straight down) says how far aside of the path it lies: of each stretch of
-/// a flight line the positions are a + v t + w tan θ for the time t, with w across the path and as long as the flight
-/// is high, by least squares; the sensor is in direction (−w sin θ / ‖w‖, cos θ). Which side has positive angles, and
-/// how high the flight was, follows from that. Flight lines are told apart by point_source_id and by pauses of
-/// gps_time, and cut in stretches so short that they are straight. Where that fit explains the positions badly, the
-/// direction is up. Names of attributes as in LAS, or as PDAL and CloudCompare write them.
+/// Unit directions from the samples to the sensor above them; empty if attributes are missing. The scan angle θ of a
+/// sample (degrees from nadir) gives its distance from the flight path: for each stretch of a flight line, least
+/// squares fits the positions a + v t + w tan θ at time t, with w perpendicular to the path and as long as the flight
+/// height. The sensor direction is (−w sin θ / ‖w‖, cos θ). The fit determines the side of positive angles and the
+/// flight height. Flight lines are separated by point_source_id and by pauses of gps_time, and divided into
+/// approximately straight stretches. Where the fit explains the positions poorly, the direction is up. Attribute names
+/// as in LAS, PDAL and CloudCompare.
 std::vector<Vec3f> directions_to_flight(const PointSet& points);
 
-/// Whether attributes say so: returns of pulses, or scan angles.
+/// Whether attributes indicate an airborne survey: returns of pulses, or scan angles.
 bool is_survey_from_above(const PointSet& points);
 
 }  // namespace sansmesh::inline v1

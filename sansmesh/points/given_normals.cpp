@@ -13,18 +13,18 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
+constexpr double kMostFacingAway = 0.1;  ///< share of the normals, if a sensor is known for all samples
 constexpr double kNearlyAll = 0.95;
 
 std::string percent_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
-/// Of signs that neighbours confirm, though not all of them are right.
+/// Description of signs that neighbours confirm although some are wrong.
 std::string uncertain_words(const OrientationReport& r) {
   std::string why;
   if (r.doubt > 0)
-    why = fmt::format("around {} of the samples they enclose less or more than a surface does", percent_words(r.doubt));
+    why = fmt::format("winding numbers contradict them around {} of the samples", percent_words(r.doubt));
   if (1 - r.agreement > 0.0005)
-    why += fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ",
+    why += fmt::format("{}{} of the neighbour relations contradict them", why.empty() ? "" : ", ",
                        percent_words(1 - r.agreement));
   return "orientation uncertain: " + why;
 }
@@ -37,11 +37,10 @@ GivenNormals judge_normals(const OrientationReport& r) {
   if (r.check == OrientationCheck::missing)
     given.words = "none";
   else if (r.related < kLeastRelated)
-    given.words = "not oriented: they have nothing to do with those next to them";
+    given.words = "not oriented: unrelated to those of neighbouring samples";
   else if (r.check == OrientationCheck::unoriented)
     given.words = fmt::format("not oriented consistently{}",
-                              r.agreement < kNearlyAll ? fmt::format(": {} of what neighbours say contradicts "
-                                                                     "them",
+                              r.agreement < kNearlyAll ? fmt::format(": {} of the neighbour relations contradict them",
                                                                      percent_words(1 - r.agreement))
                                                        : std::string());
   else if (!r.certain())
@@ -67,18 +66,18 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
   const auto neighbours = static_cast<std::size_t>(choose_neighbours(spacing, noise));
   if (given.oriented && noise > spacing && 2 * neighbours > points.size()) {
     given.words = fmt::format(
-        "consistent, but of no surface that could be told: with noise of {:.1f} spacings, neighbours are {} of {} "
+        "consistent, but the surface is undetermined: with noise of {:.1f} spacings, neighbours are {} of {} "
         "points",
         noise / spacing, grouped(neighbours), grouped(points.size()));
     return given;
   }
   const bool consistent = report.check != OrientationCheck::unoriented;
   for (const OrientBy by : kOrientationOrder) {
-    if (by == OrientBy::up && consistent) break;  // a guess, where the others know
-    const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
-    if (sights.empty()) continue;
-    const double away = share_looking_away(points, sights);
-    if (away >= kMostLookingAway) continue;
+    if (by == OrientBy::up && consistent) break;  // a guess, in contrast to the other sources
+    const std::vector<Vec3f> directions = find_own_sensor_directions(points, by, noise);
+    if (directions.empty()) continue;
+    const double away = share_facing_away(points, directions);
+    if (away >= kMostFacingAway) continue;
     given.oriented = true;
     given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent_words(away));
     given.oriented_by = by;
@@ -92,19 +91,19 @@ namespace {
 
 bool has_normals(const GivenNormals& given) { return given.report.check != OrientationCheck::missing; }
 
-/// Only of normals that there are.
-std::optional<double> of_normals(const GivenNormals& given, double share) { return told_if(has_normals(given), share); }
+/// Absent without normals.
+std::optional<double> of_normals(const GivenNormals& given, double share) {
+  return value_if(has_normals(given), share);
+}
 
 constexpr ReportRow kGivenNormalsRows[] = {
     reported<&GivenNormals::oriented>({.text = "Whether the signs are consistent"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.agreement); }>(
         {.name = "agreement",
-         .text = "What neighbouring normals say of each other's signs: the share that confirms them",
+         .text = "Share of the relations between neighbouring normals that confirm their signs",
          .unit = "share"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.related); }>(
-        {.name = "related",
-         .text = "Share of the normals that have to do with those of their neighbours",
-         .unit = "share"}),
+        {.name = "related", .text = "Share of the normals correlated with those of their neighbours", .unit = "share"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.outward); }>(
         {.name = "outward",
          .text = "Share of the samples in closed parts whose normals point outward",
@@ -113,15 +112,15 @@ constexpr ReportRow kGivenNormalsRows[] = {
         {.name = "inward", .text = "Share of the samples in closed parts whose normals point inward", .unit = "share"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.open); }>(
         {.name = "open", .text = "Share of the samples in parts without an outside", .unit = "share"}),
-    reported<[](const GivenNormals& r) { return told_if(has_normals(r), r.oriented_by || r.report.certain()); }>(
-        {.name = "certain", .text = "Whether that is sure"}),
+    reported<[](const GivenNormals& r) { return value_if(has_normals(r), r.oriented_by || r.report.certain()); }>(
+        {.name = "certain", .text = "Whether the orientation is certain"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.doubt); }>(
         {.name = "doubt",
-         .text = "Share of the samples around which normals do not enclose what they should",
+         .text = "Share of the samples whose winding number contradicts the normals",
          .unit = "share"}),
-    reported<&GivenNormals::oriented_by>({.text = "The sensor that they look to", .choices = kOrientByWords}),
-    reported<[](const GivenNormals& r) { return told_if(r.oriented_by.has_value(), r.looking_away); }>(
-        {.name = "looking_away", .text = "Share of the normals that look away from it", .unit = "share"})};
+    reported<&GivenNormals::oriented_by>({.text = "Sensor that the normals face", .choices = kOrientByWords}),
+    reported<[](const GivenNormals& r) { return value_if(r.oriented_by.has_value(), r.looking_away); }>(
+        {.name = "looking_away", .text = "Share of the normals facing away from the sensor", .unit = "share"})};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What can be said of the normals that a cloud has.
+// Assessment of the given normals of a cloud.
 #pragma once
 
 #include <optional>
@@ -7,11 +7,11 @@
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 namespace sansmesh::inline v1 {
 
-/// By what is known of the sensor, or by how neighbours agree. `noise` of the points (length).
+/// Uses the sensor, if known, or the agreement of neighbours. `noise` of the points (length).
 GivenNormals judge_normals(const PointSet& points, double noise);
 
 GivenNormals judge_normals(const OrientationReport& report);

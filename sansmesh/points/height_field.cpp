@@ -8,28 +8,29 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kColumnSamples = 16;
-/// A plane through fewer says little of the others.
+/// Least number of samples for a plane.
 constexpr std::size_t kFewestInColumn = 6;
-/// So many samples are enough to tell.
+/// Largest numbers of samples used.
 constexpr std::size_t kColumnsSamples = 100000, kReliefSamples = 50000;
-/// One sheet: the samples of a column are as near to a plane as this (rms), in spacings, or in noises. Two sheets that
-/// are one spacing apart are half a spacing off.
+/// Largest rms distance of a column's samples from their plane, in spacings or noise levels, for a single sheet. Two
+/// sheets one spacing apart deviate by half a spacing.
 constexpr double kSheetSpacings = 0.4, kSheetNoises = 2;
-/// Fourth moment over the square of the second: 3 of noise, 1 of two sheets, 1.7 of those whose noise is a quarter of
-/// their distance. What looks like noise, but lies in two sheets, is none.
+/// Kurtosis (fourth moment over squared second): 3 for noise, 1 for two sheets, 1.7 for two sheets with noise of a
+/// quarter of their distance. Below this, apparent noise is two sheets.
 constexpr double kLeastKurtosis = 2.2;
-/// Shares of one sheet that are enough where the cloud is very flat, or just flat, or surveyed. (Closed things have
-/// 0.00 to 0.03, airborne scans 0.2 to 0.95.)
+/// Least share of single sheets if the cloud is very flat, flat, or a survey. (Closed objects have 0.00 to 0.03,
+/// airborne scans 0.2 to 0.95.)
 constexpr double kOneSheetIfFlat = 0.15, kOneSheet = 0.5, kOneSheetOfSurvey = 0.1;
 constexpr double kFlat = 0.1, kLargestRelief = 0.2;
 
-/// Heights over a plane, by least squares: the sums that it takes.
+/// Sums for the least-squares plane of heights.
 struct PlaneSums {
   double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
 
@@ -50,15 +51,15 @@ struct PlaneSums {
   }
 };
 
-/// Samples by the square column that they stand in.
+/// Samples grouped by square columns.
 struct Columns {
-  std::vector<KeyIndex> samples;   ///< column after column
-  std::vector<std::size_t> first;  ///< of each column, and one past the last
+  std::vector<KeyIndex> samples;   ///< column by column
+  std::vector<std::size_t> first;  ///< start of each column, and the end
 
   std::size_t size() const { return first.size() - 1; }
 };
 
-/// One column in 2^`skip`, with all of its samples.
+/// Selects one column in 2^`skip`, with all of its samples.
 Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double edge, int skip) {
   constexpr std::size_t kChunk = 1 << 15;
   using Keys = std::vector<KeyIndex>;
@@ -75,7 +76,7 @@ Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double 
           const Vec3f& p = positions[i];
           if (!is_finite(p)) continue;
           const std::uint64_t key = cell(p.x, box.lower.x) << 32 | cell(p.y, box.lower.y);
-          // Fibonacci hashing of both numbers: neighbouring columns have nothing in common.
+          // Fibonacci hashing of both numbers decorrelates neighbouring columns.
           const std::uint64_t mixed = (key ^ key >> 29) * 0x9e3779b97f4a7c15u;
           if (skip == 0 || mixed >> (64 - skip) == 0) keys.push_back({key, static_cast<unsigned>(i)});
         }
@@ -92,8 +93,8 @@ Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double 
   return columns;
 }
 
-/// Samples of columns that are one sheet: nearer to a plane than `thin`, and those that may be for their noise, nearer
-/// than `thick`, with the sums of squares and of fourth powers of their distances.
+/// Numbers of samples in single-sheet columns: closer to a plane than `thin`; and possibly, given their noise, closer
+/// than `thick`, with the sums of squares and fourth powers of their distances.
 struct SheetCount {
   std::size_t thin = 0, thick = 0;
   double squares = 0, fourths = 0;
@@ -133,7 +134,7 @@ SheetCount count_in_one_sheet(std::span<const Vec3f> positions, const Columns& c
       [](const SheetCount& a, const SheetCount& b) { return a + b; });
 }
 
-/// Height of the middle half of all over the plane through them.
+/// Interquartile range of the heights over the plane through all samples.
 double middle_height(std::span<const Vec3f> positions, const Vec3& at) {
   PlaneSums all;
   std::vector<Vec3> some;
@@ -145,11 +146,9 @@ double middle_height(std::span<const Vec3f> positions, const Vec3& at) {
   std::vector<double> heights;
   heights.reserve(some.size());
   for (const Vec3& p : some) heights.push_back(p.z - plane.x * p.x - plane.y * p.y - plane.z);
-  const auto quarter = static_cast<std::ptrdiff_t>(heights.size() / 4);
-  std::nth_element(heights.begin(), heights.begin() + quarter, heights.end());
-  const double lower = heights[static_cast<std::size_t>(quarter)];
-  std::nth_element(heights.begin(), heights.end() - 1 - quarter, heights.end());
-  return *(heights.end() - 1 - quarter) - lower;
+  const std::size_t quarter = heights.size() / 4;
+  const double lower = nth_smallest(heights, quarter);
+  return nth_smallest(heights, heights.size() - 1 - quarter) - lower;
 }
 
 }  // namespace
@@ -165,7 +164,7 @@ HeightFieldShape measure_height_field(const PointSet& points, double noise) {
   if (!(width > 0) || !(depth > 0)) return {};
   int skip = 0;
   while (finite >> skip > kColumnsSamples) ++skip;
-  // What the samples stand on may be less than the box: once more with the columns that have samples.
+  // The samples may cover less than the box: the second round uses the occupied columns.
   const double n = static_cast<double>(finite), least_edge = 1e-6 * std::max(width, depth);
   double area = width * depth, edge = 0;
   Columns columns;

@@ -8,6 +8,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/points/duplicates.h"
@@ -17,14 +18,14 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSearchChunk = 65536;
-constexpr std::size_t kMostParts = 64;  ///< of the cloud, each of which keeps the nearest samples of every ball
-constexpr std::size_t kCoarse = 30000;  ///< samples of the tree that tells the local density
-/// Samples lie in a pile where one position has this many of those looked at, and this share of them.
+constexpr std::size_t kMostParts = 64;  ///< parts of the cloud; each keeps the nearest samples of every ball
+constexpr std::size_t kCoarse = 30000;  ///< samples in the tree that estimates the local density
+/// Samples are piled if one position has this many, and this share, of the examined samples.
 constexpr std::size_t kLookedAt = 4096, kPile = 32;
 constexpr double kPileShare = 0.01;
 
-// One finite sample from each of `count` equal stretches of the file order, at a fixed pseudo-random place in it:
-// even over scan lines, yet blind to their period.
+// One finite sample from each of `count` equal ranges of the file order, at a pseudo-random but fixed place: even over
+// scan lines, without aliasing with their period.
 std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, std::uint64_t seed) {
   const std::size_t n = points.size();
   count = std::min(count, n);
@@ -43,7 +44,7 @@ std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, 
   return chosen;
 }
 
-// A grid over the cloud that knows which balls touch which of its cells.
+// Grid over the cloud that lists the balls touching each cell.
 class BallGrid {
  public:
   BallGrid(const Box3f& box, float cell, std::span<const Vec3f> centers, std::span<const float> radii) : box_(box) {
@@ -65,7 +66,8 @@ class BallGrid {
       }
       return count;
     };
-    // A few balls that are much larger than most, whose samples coincide, say, need no cells as small as those.
+    // A few balls much larger than most, for example around coincident samples, do not require cells as small as the
+    // others do.
     while (scale_ > 0 && edge < largest && entries() > kMostEntries) edge *= 2, scale_ = 1 / edge;
     for (std::size_t b = 0; b < centers.size(); ++b) {
       const auto [lower, upper] = cells_of(b);
@@ -107,23 +109,22 @@ class BallGrid {
   std::vector<std::uint64_t> marked_;
 };
 
-// Radii that hold about `size` of all samples, judged by the coarse tree. Radii far above the others are cut: their
-// neighbourhoods are smaller, but no ball covers the whole cloud because of one stray sample.
+// Radii that contain about `size` samples according to the coarse tree. Limits radii far above the others: their
+// neighbourhoods become smaller, but no ball covers the whole cloud because of a stray sample.
 std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<const Vec3f> centers, std::size_t size) {
   const double wanted = static_cast<double>(size) / ratio;
-  // The centre finds itself where every sample is in the tree.
+  // The centre finds itself if every sample is in the tree.
   const auto k = std::max<std::size_t>(6, whole_part<std::size_t>(wanted * 1.2)) + 2;
   std::vector<float> radii(centers.size());
   parallel_for(0, centers.size(), 16, [&](std::size_t c) {
     std::vector<Neighbour> found(k);
     found.resize(coarse.nearest(centers[c], found));
-    // Few coarse samples: as many as wanted lie within a smaller ball, by area.
+    // With few coarse samples, the required number is in a smaller ball, by area.
     const float shrink = std::min(1.0f, std::sqrt(static_cast<float>((wanted * 1.3 + 1) / static_cast<double>(k))));
     radii[c] = std::sqrt(found.back().squared_distance) * (found.size() == k ? shrink : 1.0f);
   });
   std::vector<float> sorted = radii;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const float limit = 6 * sorted[sorted.size() / 2];
+  const float limit = 6 * median(sorted);
   if (limit > 0)
     for (float& r : radii) r = std::min(r, limit);
   return radii;
@@ -136,11 +137,11 @@ bool nearer(const Vec3f& a, const Vec3f& b) {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-/// The `size` nearest of all different offsets that are added, however many these are: clusters may put all of a cloud
-/// into one ball. Which ones they are does not depend on the order in which they come.
+/// Keeps the `size` nearest distinct offsets of any number added (clusters may put the whole cloud into one ball),
+/// independent of their order.
 class NearestOffsets {
  public:
-  /// `limit`: the squared radius of the ball.
+  /// `limit`: squared radius of the ball.
   void add(const Vec3f& offset, float limit, std::size_t size) {
     if (!(squared_norm(offset) <= std::min(limit, farthest_))) return;
     if (!offsets_.empty() && offsets_.back() == offset) return;
@@ -150,7 +151,7 @@ class NearestOffsets {
   void add(const NearestOffsets& other, std::size_t size) {
     for (const Vec3f& o : other.offsets_) add(o, farthest_, size);
   }
-  /// In ascending order.
+  /// Offsets in ascending order.
   std::span<const Vec3f> sorted(std::size_t size) {
     shrink(size);
     return offsets_;
@@ -180,7 +181,7 @@ Neighbourhood as_neighbourhood(const Vec3f& place, std::span<const Vec3f> offset
   return result;
 }
 
-/// Whether one position stands for many samples, as the zeros of a depth camera do: neighbours are none of these.
+/// Whether one position represents many samples, as the zeros of a depth camera do; neighbouring samples do not count.
 bool lies_in_piles(std::span<const Vec3f> points) {
   std::vector<Vec3f> some = stratified(points, kLookedAt, 3);
   if (some.size() < kPile) return false;
@@ -215,8 +216,7 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   const double ratio = static_cast<double>(n) / static_cast<double>(std::min(n, kCoarse));
   const std::vector<float> radii = choose_radii(KdTree(coarse_points), ratio, centers, size);
   std::vector<float> sorted = radii;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const BallGrid grid(box, sorted[sorted.size() / 2], centers, radii);
+  const BallGrid grid(box, median(sorted), centers, radii);
 
   const std::size_t chunk = std::max(kSearchChunk, (n + kMostParts - 1) / kMostParts);
   std::vector<std::vector<NearestOffsets>> parts((n + chunk - 1) / chunk);

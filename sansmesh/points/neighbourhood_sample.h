@@ -1,4 +1,4 @@
-// Complete neighbourhoods at a few hundred places of a cloud of any size: what its statistics are made from.
+// Complete neighbourhoods of a few hundred samples of a cloud of any size, for statistics.
 #pragma once
 
 #include <cstddef>
@@ -9,19 +9,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// The samples around one place: every different position within some radius, in ascending order of distance.
+/// Neighbourhood of a sample: all distinct positions within some radius, in ascending order of distance.
 struct Neighbourhood {
-  Vec3f place;                   ///< a sample
-  std::vector<Vec3f> offsets;    ///< positions − place; offsets[0] is zero, exact duplicates are left out
+  Vec3f place;                   ///< position of the sample
+  std::vector<Vec3f> offsets;    ///< positions − place; offsets[0] is zero; without duplicates
   std::vector<float> distances;  ///< lengths of the offsets, ascending
 };
 
-/// Neighbourhoods of about `size` samples (at most; sometimes fewer) around `places` samples chosen evenly over the
-/// file order, always the same ones. One pass over the cloud: about 10 ns per sample and 100 ns per neighbour; no tree
-/// over all samples is built. Non-finite samples are ignored. Memory is at most that of twice the neighbourhoods for
-/// each of up to 64 parts of the cloud, wherever the samples lie: those next to each other in the file are mostly so in
-/// space, and then it is about that of the neighbourhoods. Where many share a position, each position counts as one
-/// sample.
+/// Neighbourhoods of at most `size` samples around `places` samples, chosen evenly over the file order and
+/// reproducibly. One pass over the cloud: about 10 ns per sample and 100 ns per neighbour, without a tree over all
+/// samples. Ignores non-finite samples. Memory is at most twice that of the neighbourhoods for each of up to 64 parts
+/// of the cloud, but about that of the neighbourhoods if, as usual, samples that are adjacent in the file are close in
+/// space. Where many samples share a position, each position counts as one sample.
 std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size);
 
 }  // namespace sansmesh::inline v1

@@ -24,18 +24,18 @@ namespace {
 constexpr std::size_t kPlaces = 320;
 constexpr std::array<std::size_t, 9> kScales{24, 34, 48, 68, 96, 136, 192, 272, 384};
 constexpr std::size_t kCoefficients = 6;
-/// d log(residual) / d log(size): about 0 for noise, 1.5 for the cubic terms of a smooth surface, 0.5 and more where
-/// creases and detail of all sizes meet. Below this there is noise to speak of.
+/// d log(residual) / d log(size): about 0 for noise, 1.5 for the cubic terms of a smooth surface, at least 0.5 for
+/// creases and details of all sizes. Below this value there is significant noise.
 constexpr double kSlopeWithoutNoise = 0.6;
-/// Up to this slope it is the noise that is seen, and hardly any shape.
+/// Up to this slope the residual is noise with hardly any shape.
 constexpr double kSlopeOfNoise = 0.3;
-/// Less than this, over the distance to the nearest samples, is little, whatever it is.
+/// Negligible deviation relative to the distance of the nearest samples, whatever its cause.
 constexpr double kLittle = 0.1;
-/// Steps between the values of a coordinate are seen where it has this many times fewer values than samples, and the
-/// nearest neighbours are off their surface by less than this share of a step.
+/// Coordinates are quantised if there are this many times fewer values than samples, and the nearest neighbours deviate
+/// from the surface by less than this share of a step.
 constexpr std::size_t kFewValues = 50, kMostValues = 100000;
 constexpr double kSameStep = 0.1, kStepOfSpacing = 0.2;
-/// A residual grown by more than this from the smallest scale is shape, whatever its slope.
+/// Larger growth of the residual since the smallest scale is shape at any slope.
 constexpr double kLargestGrowth = 4;
 
 struct Quadric {
@@ -43,8 +43,8 @@ struct Quadric {
   std::vector<double> heights, weights, residuals, magnitudes;
 };
 
-// Robust deviation of the samples from the quadric through them: least squares, then once more without the samples
-// that lie far off. Median absolute deviation, made unbiased for Gaussian noise and for the coefficients fitted.
+// Robust deviation of the samples from their quadric: least squares, then reweighted without outliers. Median absolute
+// deviation, unbiased for Gaussian noise and for the number of coefficients.
 std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std::size_t size, Quadric& q) {
   const std::span<const Vec3f> offsets = std::span(neighbourhood.offsets).first(size);
   const double radius = neighbourhood.distances[size - 1];
@@ -57,7 +57,7 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
   for (const Vec3f& offset : offsets) {
     const Vec3 d = (Vec3(offset) - center) / radius;
     const double u = dot(d, frame.axes[2]), v = dot(d, frame.axes[1]);
-    // The ball cuts off the noise near its rim: a narrower disc has its full range of heights.
+    // The ball truncates the noise near its rim: a narrower disc has the full range of heights.
     if (u * u + v * v > 0.64) continue;
     q.rows.push_back({1, u, v, u * u, u * v, v * v});
     q.heights.push_back(dot(d, frame.axes[0]));
@@ -77,7 +77,7 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
       normal_matrix.noalias() += q.weights[i] * row * row.transpose();
       right += q.weights[i] * q.heights[i] * row;
     }
-    // Samples on few scan lines do not determine a quadric: the rest follows from the smallest coefficients.
+    // Samples on few scan lines do not determine a quadric: regularisation selects the smallest coefficients.
     normal_matrix.diagonal().array() += 1e-9 * static_cast<double>(n);
     const Eigen::Matrix<double, kCoefficients, 1> c = normal_matrix.ldlt().solve(right);
     q.magnitudes.resize(n);
@@ -86,17 +86,14 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
       q.residuals[i] = q.heights[i] - row.dot(c);
       q.magnitudes[i] = std::abs(q.residuals[i]);
     }
-    deviation =
-        1.4826 * median(q.magnitudes) * std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
-    for (std::size_t i = 0; i < n; ++i) {  // Tukey's biweight
-      const double t = q.residuals[i] / (4.685 * deviation + 1e-12);
-      q.weights[i] = std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
-    }
+    deviation = kDeviationOverMedian * median(q.magnitudes) *
+                std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
+    for (std::size_t i = 0; i < n; ++i) q.weights[i] = tukey_weight(q.residuals[i] / (4.685 * deviation + 1e-12));
   }
   return deviation * radius;
 }
 
-/// About the edge of the square that a sample stands for.
+/// Approximate edge of the square that a sample covers.
 double nearest_spacing(const std::vector<Neighbourhood>& sample) {
   std::vector<double> spacings;
   for (const Neighbourhood& n : sample)
@@ -106,7 +103,7 @@ double nearest_spacing(const std::vector<Neighbourhood>& sample) {
   return median(spacings);
 }
 
-/// The step between the values of the coordinate that has the fewest, where neighbours have the same; else 0.
+/// Step of the coordinate with the fewest distinct values, if neighbours share it; else 0.
 double step_of_coordinates(const PointSet& points, double residual, double spacing) {
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -140,7 +137,7 @@ NoiseEstimate measure_noise(const PointSet& points) {
           residuals[p][s] = residual_deviation(sample[p], kScales[s], scratch);
   });
 
-  // Typical residual of each scale, as far as most places have it.
+  // Typical residual per scale, over the scales that most places reach.
   std::vector<double> scale, deviation;
   float largest_coordinate = 0;
   for (const Neighbourhood& n : sample)
@@ -162,7 +159,7 @@ NoiseEstimate measure_noise(const PointSet& points) {
   const bool little = result.most < kLittle * spacing;
   result.known = little;
   if (deviation[0] <= rounding) return result;
-  if (deviation.size() == 1) {  // too few samples to tell shape from noise
+  if (deviation.size() == 1) {  // too few samples to separate shape from noise
     result.deviation = deviation[0];
     return result;
   }
@@ -172,7 +169,7 @@ NoiseEstimate measure_noise(const PointSet& points) {
     const double slope = std::max(0.0, std::log(deviation[s] / deviation[s - 1]) / (scale[s] - scale[s - 1]));
     if (slope >= smallest_slope) continue;
     smallest_slope = slope;
-    // What still grows is shape: take its share of the variance away.
+    // Remaining growth is due to shape: subtracts its share of the variance.
     noise = std::sqrt(deviation[s] * deviation[s - 1] * (1 - slope / kSlopeWithoutNoise));
   }
   result.deviation = noise;
@@ -194,8 +191,8 @@ namespace {
 constexpr ReportRow kNoiseEstimateRows[] = {
     reported<&NoiseEstimate::deviation>(
         {.name = "noise", .text = "Standard deviation of the samples off the surface", .unit = "length"}),
-    reported<&NoiseEstimate::known>({.name = "noise_known", .text = "Whether noise and shape can be told apart"}),
-    reported<&NoiseEstimate::most>({.name = "most_noise", .text = "The noise is no more than this", .unit = "length"})};
+    reported<&NoiseEstimate::known>({.name = "noise_known", .text = "Whether noise and shape are distinguishable"}),
+    reported<&NoiseEstimate::most>({.name = "most_noise", .text = "Upper bound of the noise", .unit = "length"})};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// How far the samples are off the surface.
+// Estimates the noise of samples: their deviation from the surface.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// Robust estimate of the standard deviation of the samples off the surface, along its normal (unit of the input);
-/// 0 with fewer than 20 different points. Quadrics are fitted to neighbourhoods of doubling size at a fixed subsample
-/// of places: noise leaves the same residual at every size, curvature one that grows with its cube, creases one that
-/// grows with it; the scale where the residual grows least tells the noise. Meant to be right within a fifth where the
-/// noise exceeds a hundredth of the spacing, and small against the spacing for clean samples.
+/// Robust estimate of the standard deviation of the samples from the surface, along its normal (input unit); 0 for
+/// fewer than 20 distinct points. Fits quadrics to neighbourhoods of doubling size at a fixed subset of samples. With
+/// growing size, residuals of noise stay constant, residuals of curvature grow cubically, residuals of creases
+/// linearly; the scale with the least growth gives the noise. Designed to be accurate within a fifth if the noise
+/// exceeds a hundredth of the spacing, and small against the spacing for clean samples.
 double estimate_noise(const PointSet& points);
 
-/// The same, and how sure it is.
+/// Same, with its reliability.
 NoiseEstimate measure_noise(const PointSet& points);
 
 }  // namespace sansmesh::inline v1

@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/principal_axes.h"
@@ -21,19 +22,19 @@ namespace {
 constexpr int kCleanNeighbours = 10;
 constexpr int kMostNeighbours = 240;
 
-/// One neighbourhood at a time, without allocation in the loop.
+/// Fits one neighbourhood at a time, without allocation in the loop.
 class NormalFitter {
  public:
   NormalFitter(const KdTree& tree, NormalOptions::Method method, int reweightings, double noise)
       : tree_(tree), method_(method), reweightings_(reweightings), noise_(noise) {}
 
-  /// Unit normal at `slot`; zero where the neighbours coincide.
+  /// Unit normal at `slot`; zero if the neighbours coincide.
   Vec3f fit(std::uint32_t slot, std::span<const Neighbour> neighbours) {
     const Vec3f center = tree_.position(slot);
     offsets_.clear();
     for (const Neighbour& n : neighbours) offsets_.push_back(tree_.position(n.index) - center);
     if (neighbours.empty() || neighbours.back().squared_distance == 0) return {};
-    // Unit size, so that the smallest and largest clouds stay within the range of the products.
+    // Normalised to unit size, so that products of very small and very large clouds do not overflow.
     const float scale = 1 / std::sqrt(neighbours.back().squared_distance);
     for (Vec3f& o : offsets_) o *= scale;
     Vec3 normal = plain_normal();
@@ -43,7 +44,7 @@ class NormalFitter {
   }
 
  private:
-  // Single precision suffices: the offsets are small numbers of like size.
+  // Single precision suffices: the offsets are of similar, moderate size.
   Vec3 plain_normal() const {
     Vec3f sum;
     Symmetric3T<float> products;
@@ -55,8 +56,8 @@ class NormalFitter {
                           products.yz * w - mean.y * mean.z, products.zz * w - mean.z * mean.z});
   }
 
-  // Samples far off the plane, measured by how far most samples and the noise are, lose their influence (Geman &
-  // McClure's weights).
+  // Reduces the weight of samples far off the plane relative to the typical deviation and the noise (Geman–McClure
+  // weights).
   Vec3 reweighted_normal(Vec3 normal, double noise) {
     const std::size_t n = offsets_.size();
     heights_.resize(n);
@@ -65,9 +66,7 @@ class NormalFitter {
     for (int round = 0; round < reweightings_; ++round) {
       for (std::size_t i = 0; i < n; ++i) heights_[i] = std::abs(dot(Vec3(offsets_[i]) - mean, normal));
       sorted_ = heights_;
-      const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(n / 2);
-      std::nth_element(sorted_.begin(), middle, sorted_.end());
-      const double scale = std::max(2 * 1.4826 * *middle, 1.5 * noise) + 1e-9;
+      const double scale = std::max(2 * kDeviationOverMedian * median(sorted_), 1.5 * noise) + 1e-9;
       for (std::size_t i = 0; i < n; ++i) {
         const double t = heights_[i] / scale;
         weights_[i] = 1 / ((1 + t * t) * (1 + t * t));
@@ -87,7 +86,7 @@ class NormalFitter {
     return sum / total;
   }
 
-  // Height over the plane as a quadratic polynomial with the sample as origin; its slope there tilts the normal.
+  // Fits a quadratic height function over the plane with the sample as origin; its slope there tilts the normal.
   Vec3 jet_normal(const Vec3& normal) const {
     if (offsets_.size() < 8) return normal;
     Vec3 t, b;
@@ -108,7 +107,7 @@ class NormalFitter {
     a.diagonal().array() += 1e-7 * a(0, 0);
     const Column c = a.selfadjointView<Eigen::Lower>().ldlt().solve(right);
     const Vec3 tilted = normal - t * c[1] - b * c[2];
-    // A slope of more than 60 degrees over the best plane is a failed fit, not a surface.
+    // A slope of more than 60 degrees over the best plane indicates a failed fit.
     return std::isfinite(squared_norm(tilted)) && squared_norm(tilted) < 4 ? normalized(tilted) : normal;
   }
 
@@ -130,7 +129,7 @@ const OptionSchema& NormalOptions::schema() {
           {.text = "Samples in a neighbourhood", .from_data = "from spacing and noise", .range = {6, 500}}),
       option<&O::method>({.text = "A plane (covariance) or a quadric (jet)", .unit = "choice", .choices = methods}),
       option<&O::reweightings>(
-          {.text = "Rounds that silence samples off the fit: sharper at creases", .range = {0, 10}})};
+          {.text = "Reweighting rounds that reject samples off the fit: sharper at creases", .range = {0, 10}})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -142,8 +141,8 @@ void NormalOptions::validate() const {
 }
 
 int choose_neighbours(double spacing, double noise) {
-  // A plane through k samples spaced s apart and σ off it is tilted by about 2σ√π/(s k): three degrees would need
-  // k = 70 σ/s if the nearest samples were not those with the nearest heights. Tried: the error is least at 100-150.
+  // A plane through k samples with spacing s and noise σ is tilted by about 2σ√π/(s k). Three degrees would require k =
+  // 70 σ/s if the nearest samples were not those with the nearest heights. Measured: the error is least at 100–150.
   const double ratio = spacing > 0 ? noise / spacing : 0;
   return index_in<int>(110 * ratio, kCleanNeighbours, kMostNeighbours);
 }

@@ -1,4 +1,4 @@
-// Unoriented normals from neighbouring samples.
+// Estimates unoriented normals from neighbouring samples.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@ namespace sansmesh::inline v1 {
 
 class KdTree;
 
-/// Neighbours that keep the error of the normals from the noise near a few degrees: more where the noise is large
-/// against the spacing.
+/// Number of neighbours that keeps the error of normals due to noise near a few degrees: it grows with the ratio of
+/// noise to spacing.
 int choose_neighbours(double spacing, double noise);
 
-/// Replaces points.normals by unit normals of arbitrary sign (zero where all neighbours coincide or the position is not
-/// finite). `orient_normals` gives them their sign. Throws ArgumentError for bad options.
+/// Replaces points.normals by unit normals of arbitrary sign (zero if all neighbours coincide or the position is not
+/// finite). `orient_normals` determines the signs. Throws ArgumentError for invalid options.
 void estimate_normals(PointSet& points, const NormalOptions& options, Progress& progress);
 
-/// The same with a tree of the positions at hand.
+/// Same, with an existing tree of the positions.
 void estimate_normals(PointSet& points, const KdTree& tree, const NormalOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 
 #include <string_view>
 
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 namespace sansmesh::inline v1 {
 
-/// In the order of the enumerators.
+/// Words in the order of the enumerators.
 inline constexpr std::string_view kOrientByWords[] = {"auto", "scanner", "rows", "flight", "up", "propagation"};
 
 constexpr std::string_view orient_by_word(OrientBy by) { return kOrientByWords[static_cast<std::size_t>(by)]; }

@@ -27,46 +27,46 @@ using detail::RelationGraph, detail::join_stretches, detail::join_sure, detail::
 
 constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
-/// Cosines between normals and the way to where their samples were seen from: beyond the first one the sign is taken
-/// from it at once, beyond the second one where the smooth patches say nothing.
-constexpr float kClearSight = 0.5f, kLeastSight = 0.25f;
-/// Where so much of what smooth patches see contradicts the rest of the patch, it was not seen from there.
+/// Cosines between normals and directions to the sensor: above the first, the sign is fixed at once; above the second,
+/// after the smooth patches, where these are undecided.
+constexpr float kClearSensorCosine = 0.5f, kLeastSensorCosine = 0.25f;
+/// A direction is implausible if this share of the visible samples of smooth patches contradicts the rest of the patch.
 constexpr double kMostContradiction = 0.2;
-/// About so many samples are enough to see that, in stretches of so many.
+/// Number of samples sufficient for this test, and length of their stretches.
 constexpr std::size_t kBelievedSamples = 100000, kStretchSamples = 4096;
-/// The surest relations, joined in this order; with the last one the patches are still smooth.
+/// Thresholds of edge reliability in the order of joining; down to the last one the patches are smooth.
 constexpr int kSure[] = {118, 105, 90, 75};
-/// Area vectors of a closed surface sum to zero; half a ball leaves half of its area, terrain nearly all. Above this
-/// share a part is open, and has no outside.
+/// Area vectors of a closed surface sum to zero; half a ball leaves half of its area, terrain nearly all. A part above
+/// this share is open and has no outside.
 constexpr double kOpenPart = 0.35;
-/// Of what neighbours say: with more agreement there is nothing to be voted on again.
+/// Agreement of neighbours above which voting again is unnecessary.
 constexpr double kHardlyContradicted = 0.999;
-/// With so much agreement signs are right unless whole regions are turned, which more doubt than this shows; with less
-/// of it, but not less than the second, where there is hardly any doubt. (48 noisy clouds of known shapes: see
+/// Signs are correct with the first agreement unless whole regions are reversed, which doubt above the second value
+/// indicates; or with the third agreement and hardly any doubt. (48 noisy clouds of known shapes: see
 /// docs/methods/points.md.)
 constexpr double kNoContradiction = 0.9995, kMostDoubtOfSmooth = 0.25;
 constexpr double kLittleContradiction = 0.9955, kMostDoubt = 0.05;
-/// Patches that vote: of stretches of so many samples next to each other along the tree at least, and of so many
-/// stretches at most. Where normals are rough a stretch falls into many patches: with more of them than so many for
-/// each of the most stretches votes would take long, and say nothing.
+/// Voting patches: least number of adjacent samples in tree order per stretch, largest number of stretches, and largest
+/// number of patches per stretch. Rough normals break a stretch into many patches; votes between more of them would be
+/// slow and uninformative.
 constexpr std::size_t kLeastPatch = 8, kMostStretches = 20000, kMostPatchesOfStretch = 4;
 
-/// The way to where each sample of a graph was seen from, and the node behind all others that stands for it: samples
-/// that agree with this one look there.
-class Sights {
+/// Directions from the samples of a graph to the sensor, and an extra node that represents it: samples that agree with
+/// this node face the sensor.
+class SensorCosines {
  public:
-  Sights() = default;
-  /// From the air, whatever is rough has been seen from the side, too, and from within: only what is `firm` counts.
-  Sights(const RelationGraph& graph, const std::vector<Vec3f>& sights, bool from_air)
-      : cosine_(sights.empty() ? 0 : graph.size()) {
+  SensorCosines() = default;
+  /// Rough parts have also been seen from the side and from within by an airborne sensor: only `firm` samples count.
+  SensorCosines(const RelationGraph& graph, const std::vector<Vec3f>& directions, bool from_air)
+      : cosine_(directions.empty() ? 0 : graph.size()) {
     parallel_for(0, cosine_.size(), 16384, [&](std::size_t s) {
       if (from_air && !graph.firm(s)) return;
-      cosine_[s] = std::clamp(dot(graph.normals()[s], sights[graph.tree().order()[s]]), -1.0f, 1.0f);
+      cosine_[s] = std::clamp(dot(graph.normals()[s], directions[graph.tree().order()[s]]), -1.0f, 1.0f);
     });
   }
 
   bool known() const { return !cosine_.empty(); }
-  /// Between normal and sight; 0 where that is unknown.
+  /// Cosine between normal and sensor direction; 0 if unknown.
   float cosine(std::size_t s) const { return cosine_[s]; }
   void join(SignForest& forest, float least) const {
     const auto anchor = static_cast<std::uint32_t>(cosine_.size());
@@ -74,8 +74,7 @@ class Sights {
       if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
   }
 
-  /// Whether each smooth patch has been seen from one side. Of large clouds some stretches along the tree are looked
-  /// at.
+  /// Whether each smooth patch has been seen from one side. Large clouds are tested on some stretches in tree order.
   bool believable(const RelationGraph& graph) const {
     const std::size_t skip = 1 + graph.size() / kBelievedSamples, n = graph.size();
     const auto looked_at = [&](std::size_t s) { return s / kStretchSamples % skip == 0; };
@@ -89,7 +88,7 @@ class Sights {
         }
     std::vector<double> agree(n), differ(n);
     for (std::size_t s = 0; s < n; s = next_of_stretch(s, skip)) {
-      if (!(std::abs(cosine_[s]) > kLeastSight)) continue;
+      if (!(std::abs(cosine_[s]) > kLeastSensorCosine)) continue;
       const SignForest::Root root = forest.find(static_cast<std::uint32_t>(s));
       const double weight = static_cast<double>(cosine_[s]) * static_cast<double>(cosine_[s]);
       ((cosine_[s] < 0) != root.flip ? differ : agree)[root.index] += weight;
@@ -100,7 +99,7 @@ class Sights {
   }
 
  private:
-  /// The sample after s, where one stretch in `skip` is looked at.
+  /// Next sample after s if one stretch in `skip` is tested.
   static std::size_t next_of_stretch(std::size_t s, std::size_t skip) {
     ++s;
     return s % kStretchSamples == 0 ? s + (skip - 1) * kStretchSamples : s;
@@ -109,11 +108,11 @@ class Sights {
   std::vector<float> cosine_;
 };
 
-// Smooth patches first, from the most certain relations to the less certain; then patch by patch, by the vote of all
-// relations between them. What has clearly been seen from one side is certain before, the rest of it after the patches.
-void propagate(const RelationGraph& graph, const Sights& sights, SignForest& forest, Progress& progress) {
-  if (sights.known()) {
-    sights.join(forest, kClearSight);
+// Joins smooth patches first, from the most to the least reliable edges; then patches by the vote of all edges between
+// them. Samples that clearly face the sensor or away are fixed before, the others after the patches.
+void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
+  if (sensor.known()) {
+    sensor.join(forest, kClearSensorCosine);
     forest.flatten();
   } else {
     join_stretches(graph, forest, kSure[0]);
@@ -122,27 +121,27 @@ void propagate(const RelationGraph& graph, const Sights& sights, SignForest& for
     join_sure(graph, forest, sure);
     progress.advance(graph.size());
   }
-  if (sights.known()) sights.join(forest, kLeastSight);
+  if (sensor.known()) sensor.join(forest, kLeastSensorCosine);
   forest.flatten();
   join_by_votes(graph, forest);
   progress.advance(graph.size());
 }
 
-/// Connected parts of the graph, and the sign of each sample that makes it agree with the others of its part.
+/// Connected parts of the graph, and the sign of each sample that makes it agree with its part.
 struct Parts {
-  std::vector<std::uint32_t> part;  ///< of each sample
+  std::vector<std::uint32_t> part;  ///< part of each sample
   std::vector<std::int8_t> sign;
   std::size_t count = 0;
-  /// How surely the signs make the part's normals point outward: negative = they point inward.
+  /// Confidence that the signs make the part's normals point outward: negative = inward.
   std::vector<double> outwardness;
   /// Parts so far from closed that they have no outside.
   std::vector<std::uint8_t> open;
-  /// The part whose samples have been seen from a known side, and the sign that makes them look there.
+  /// Part whose samples have been seen from a known side, and the sign that makes them face it.
   std::optional<std::uint32_t> seen;
   std::int8_t seen_sign = 1;
 };
 
-Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest& forest) {
+Parts collect_parts(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest) {
   Parts parts;
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> name(forest.size(), kNone);
@@ -154,16 +153,17 @@ Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest
     parts.part[s] = name[root.index];
     parts.sign[s] = root.flip ? -1 : 1;
   }
-  if (sights.known()) {
-    // No sample may have joined them: all seen at a grazing angle, or by scanners that are not there.
+  if (sensor.known()) {
+    // The node may have no samples: all seen at a grazing angle, or by nonexistent scanners.
     const SignForest::Root root = forest.find(static_cast<std::uint32_t>(graph.size()));
     if (name[root.index] != kNone) parts.seen = name[root.index], parts.seen_sign = root.flip ? -1 : 1;
   }
   return parts;
 }
 
-// Single samples that contradict most of their surroundings. How a sample was seen counts as much as all of those.
-void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
+// Flips individual samples that contradict most of their neighbours. The sensor direction weighs as much as all
+// neighbours.
+void polish(const RelationGraph& graph, const SensorCosines& sensor, Parts& parts) {
   const float weight = 2.0f * 127 * 127 * static_cast<float>(graph.degree()) * parts.seen_sign;
   for (int round = 0; round < 2; ++round) {
     const std::vector<std::int8_t> before = parts.sign;
@@ -174,36 +174,36 @@ void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
         vote += r * std::abs(r) * before[graph.neighbour(s, k)];
       }
       if (parts.seen && *parts.seen == parts.part[s])
-        vote += whole_part<long>(std::round(weight * sights.cosine(s) * std::abs(sights.cosine(s))));
+        vote += whole_part<long>(std::round(weight * sensor.cosine(s) * std::abs(sensor.cosine(s))));
       if (vote * before[s] < 0) parts.sign[s] = static_cast<std::int8_t>(-before[s]);
     });
   }
 }
 
-/// How many sets a flat forest has.
+/// Number of sets of a flat forest.
 std::size_t sets_of(const SignForest& forest) {
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < forest.size(); ++i) count += forest.flat_root(i).index == i;
   return count;
 }
 
-/// The signs of a graph's normals. Noise can make even the surest relations contradict each other, and then those that
-/// come first decide for whole regions: votes between small patches hear all of them, unless there are too many. Kept
-/// is what contradicts less.
-Parts settle_signs(const RelationGraph& graph, const Sights& sights, Progress& progress) {
+/// Determines the signs of a graph's normals. Noise can make even the most reliable edges contradictory, so that the
+/// first ones decide for whole regions. Votes between small patches, unless there are too many, use all edges. Keeps
+/// the result with fewer contradictions.
+Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
   SignForest forest(graph.size() + 1);
-  propagate(graph, sights, forest, progress);
-  Parts parts = collect_parts(graph, sights, forest);
-  polish(graph, sights, parts);
-  if (sights.known()) return parts;
+  propagate(graph, sensor, forest, progress);
+  Parts parts = collect_parts(graph, sensor, forest);
+  polish(graph, sensor, parts);
+  if (sensor.known()) return parts;
   const double agreement = graph.agreement(parts.sign);
   if (agreement >= kHardlyContradicted) return parts;
   SignForest patches(graph.size() + 1);
   join_stretches(graph, patches, kSure[0], std::max(kLeastPatch, graph.size() / kMostStretches));
   if (sets_of(patches) > kMostPatchesOfStretch * kMostStretches) return parts;
   join_by_votes(graph, patches);
-  Parts voted = collect_parts(graph, sights, patches);
-  polish(graph, sights, voted);
+  Parts voted = collect_parts(graph, sensor, patches);
+  polish(graph, sensor, voted);
   return graph.agreement(voted.sign) > agreement ? voted : parts;
 }
 
@@ -214,9 +214,9 @@ Vec3f direction(int i) {
   return Vec3f(Vec3{r * std::cos(angle), r * std::sin(angle), z});
 }
 
-// The volume that the normals claim to enclose, relative to what it could be, plus the mean cosine between normals and
-// the directions in which their samples are extremal. A part that lies so flat that neither tells (a terrain)
-// looks up. Nothing is asked of the part that was seen from somewhere.
+// Combines the enclosed volume, relative to its possible maximum, with the mean cosine between normals and the
+// directions in which their samples are extremal. A part so flat that neither is significant (terrain) faces up. Skips
+// the part with a known sensor.
 void judge_outwardness(const RelationGraph& graph, Parts& parts) {
   parts.outwardness.assign(parts.count, 0);
   parts.open.assign(parts.count, 0);
@@ -249,7 +249,8 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     std::vector<float> distance(parts.count, kNowhere);
     for (const std::uint32_t s : asked) {
       const float t = dot(graph.positions()[s], d);
-      if (t > distance[parts.part[s]] && graph.firm(s))  // strays are extremal, but their normals say nothing
+      if (t > distance[parts.part[s]] &&
+          graph.firm(s))  // stray samples are extremal, but their normals are meaningless
         distance[parts.part[s]] = t, farthest[parts.part[s]] = s;
     }
     cosines[i].resize(parts.count);
@@ -267,33 +268,33 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
   }
 }
 
-std::string unknown_sights(OrientBy asked) {
+std::string unknown_source(OrientBy asked) {
   switch (asked) {
     case OrientBy::scanner:
-      return "holds no scanner positions by which normals could be oriented";
+      return "has no scanner positions for orienting normals";
     case OrientBy::rows:
-      return "has no rows and columns by which normals could be oriented";
+      return "has no rows and columns for orienting normals";
     case OrientBy::flight:
-      return "holds no scan angles that show flight lines by which normals could be oriented";
+      return "has no scan angles of flight lines for orienting normals";
     default:
-      return "nothing is known by which normals could be oriented";
+      return "has no data for orienting normals";
   }
 }
 
-// The given normals against those oriented anew.
+// Compares the given normals with reoriented ones.
 OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise,
                         bool with_doubt) {
   Progress silent;
   const KdTree tree(positions);
   const RelationGraph graph(tree, normals, 10, noise);
   SignForest forest(graph.size());
-  const Sights unknown;
+  const SensorCosines unknown;
   propagate(graph, unknown, forest, silent);
   Parts parts = collect_parts(graph, unknown, forest);
   polish(graph, unknown, parts);
   judge_outwardness(graph, parts);
 
-  // In each part the signs that the majority has are taken as given; the others had to be flipped.
+  // In each part the majority of the given signs counts as given; the others had to be flipped.
   std::vector<std::size_t> members(parts.count), negative(parts.count);
   for (std::size_t s = 0; s < graph.size(); ++s) {
     ++members[parts.part[s]];
@@ -306,8 +307,8 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
     flipped += turned ? members[p] - negative[p] : negative[p];
     if (!parts.open[p] && (turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
   }
-  // Where flipped and unflipped samples meet, the given normals must have contradicted each other: else the flip was
-  // arbitrary, as between the sides of a thin sheet.
+  // Where flipped and unflipped samples meet, the given normals must have contradicted each other; otherwise the flip
+  // was arbitrary, as between the sides of a thin sheet.
   double contradiction = 0, agreement = 0;
   for (std::size_t s = 0; s < graph.size(); ++s)
     for (std::size_t k = 0; k < graph.degree(); ++k) {
@@ -333,14 +334,14 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
   return report;
 }
 
-/// Of the points some that are spread over all of them.
+/// Judges a subset distributed over all points.
 OrientationReport judge_some(const PointSet& points, std::optional<double> known_noise, bool with_doubt) {
   if (points.normals.size() != points.size()) return {};
   std::vector<Vec3f> positions, normals;
   std::size_t with_normal = 0;
   for (const Vec3f& n : points.normals) with_normal += squared_norm(n) > 0.25f;
   if (with_normal * 10 < points.size() || with_normal == 0) return {};
-  // Equal steps through the samples that have a normal.
+  // Equal steps through the samples with normals.
   const std::size_t wanted = std::min(with_normal, kCheckSamples);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -353,30 +354,30 @@ OrientationReport judge_some(const PointSet& points, std::optional<double> known
   if (positions.empty()) return {};
   const double noise = known_noise ? *known_noise : estimate_noise(points);
   const OrientationReport judgement = judge(positions, normals, noise, with_doubt);
-  // The sides of a thin sheet may have been taken for noise.
+  // The sides of a thin sheet may have been mistaken for noise.
   if (judgement.check != OrientationCheck::unoriented || noise == 0) return judgement;
   return judge(positions, normals, 0, with_doubt);
 }
 
 bool from_air(OrientBy by) { return by == OrientBy::flight || by == OrientBy::up; }
 
-/// The first in the order of trust that is known and believable; or what is asked for.
-OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
-                       Sights& sights) {
+/// Requested source, or the first known and plausible one in order of reliability.
+OrientBy choose_source(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
+                       SensorCosines& sensor) {
   if (asked == OrientBy::propagation) return asked;
   if (asked != OrientBy::automatic) {
-    const std::vector<Vec3f> found = find_sights(points, asked);
-    if (found.empty()) throw DataError(unknown_sights(asked));
-    sights = Sights(graph, found, from_air(asked));
+    const std::vector<Vec3f> found = find_sensor_directions(points, asked);
+    if (found.empty()) throw DataError(unknown_source(asked));
+    sensor = SensorCosines(graph, found, from_air(asked));
     return asked;
   }
   for (const OrientBy by : kOrientationOrder) {
-    const std::vector<Vec3f> found = find_own_sights(points, by, noise);
+    const std::vector<Vec3f> found = find_own_sensor_directions(points, by, noise);
     if (found.empty()) continue;
-    sights = Sights(graph, found, from_air(by));
-    if (sights.believable(graph)) return by;
+    sensor = SensorCosines(graph, found, from_air(by));
+    if (sensor.believable(graph)) return by;
   }
-  sights = {};
+  sensor = {};
   return OrientBy::propagation;
 }
 
@@ -396,9 +397,9 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
   const double noise = options.noise ? *options.noise : estimate_noise(points);
   const RelationGraph graph(tree, points.normals, options.neighbours, noise);
   progress.advance(points.size());
-  Sights sights;
-  const OrientBy by = choose_sights(points, graph, options.by, noise, sights);
-  Parts parts = settle_signs(graph, sights, progress);
+  SensorCosines sensor;
+  const OrientBy by = choose_source(points, graph, options.by, noise, sensor);
+  Parts parts = settle_signs(graph, sensor, progress);
   judge_outwardness(graph, parts);
   parallel_for(0, graph.size(), 16384, [&](std::size_t s) {
     const std::uint32_t p = parts.part[s];
@@ -410,12 +411,12 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
   return by;
 }
 
-double share_looking_away(const PointSet& points, std::span<const Vec3f> sights) {
+double share_facing_away(const PointSet& points, std::span<const Vec3f> directions) {
   std::size_t away = 0, clear = 0;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const float cosine = dot(points.normals[i], sights[i]);
-    clear += std::abs(cosine) > kLeastSight;
-    away += cosine < -kLeastSight;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const float cosine = dot(points.normals[i], directions[i]);
+    clear += std::abs(cosine) > kLeastSensorCosine;
+    away += cosine < -kLeastSensorCosine;
   }
   return clear > 0 ? static_cast<double>(away) / static_cast<double>(clear) : 0;
 }

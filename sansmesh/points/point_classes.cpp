@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of the numbers below 64 (LAS 1.4, "ASPRS standard point classes"); 8 and 12 as in the versions before.
+/// Names of the classes below 64 (LAS 1.4, "ASPRS standard point classes"); 8 and 12 as in earlier versions.
 constexpr std::string_view kClassNames[] = {"never-classified",
                                             "unclassified",
                                             "ground",
@@ -39,28 +40,25 @@ constexpr std::string_view kClassNames[] = {"never-classified",
 
 struct ClassGroup {
   std::string_view name;
-  std::uint32_t classes;  ///< a bit each
+  std::uint32_t classes;  ///< a bit per class
 };
 constexpr ClassGroup kClassGroups[] = {{"vegetation", 1u << 3 | 1u << 4 | 1u << 5},
                                        {"noise", 1u << 7 | 1u << 18},
                                        {"wire", 1u << 13 | 1u << 14 | 1u << 16}};
 
-/// The class that a number of any type stands for; -1 for none.
+/// Class of a number of any type; −1 if invalid.
 template <class T>
 int class_of(T v) {
   const auto number = static_cast<double>(v);
   return number >= 0 && number < 256 ? static_cast<int>(number) : -1;
 }
 
-/// In lower case, without blanks around it.
+/// Lower-case word without surrounding blanks.
 std::string plain_word(std::string_view word) {
   constexpr std::string_view kBlanks = " \t";
   const std::size_t first = word.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
-  std::string text(word.substr(first, word.find_last_not_of(kBlanks) - first + 1));
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
+  return lower_case(word.substr(first, word.find_last_not_of(kBlanks) - first + 1));
 }
 
 [[noreturn]] void refuse_class(const std::string& word) {
@@ -71,7 +69,7 @@ std::string plain_word(std::string_view word) {
                       names.substr(1));
 }
 
-/// A number, or two with a dash between them. False for anything else.
+/// Parses a number, or two with a dash between them; returns false for other texts.
 bool parse_class_range(const std::string& word, PointClasses& classes) {
   unsigned first = 0, last = 0;
   const char* const end = word.data() + word.size();
@@ -98,10 +96,8 @@ std::string class_words(unsigned number) {
 
 PointClasses parse_point_classes(std::string_view list) {
   PointClasses classes;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', at), list.size());
-    const std::string word = plain_word(list.substr(at, comma - at));
-    at = comma + 1;
+  for (const std::string& entry : between_commas(list)) {
+    const std::string word = plain_word(entry);
     if (parse_class_range(word, classes)) continue;
     const auto* const name = std::find(std::begin(kClassNames), std::end(kClassNames), word);
     const auto* const group = std::find_if(std::begin(kClassGroups), std::end(kClassGroups),
@@ -170,8 +166,8 @@ void keep_classes(PointSet& points, const PointClasses& classes) {
     std::string there;
     for (unsigned c = 0; c < counts.size(); ++c)
       if (counts[c] > 0) there += (there.empty() ? "" : ", ") + class_words(c);
-    throw DataError("none of its " + counted(points.size(), "point") +
-                    " is of a class that `class` chooses; there are " + (there.empty() ? "none from 0 to 255" : there));
+    throw DataError("none of its " + counted(points.size(), "point") + " is of a class in `class`; there are " +
+                    (there.empty() ? "none from 0 to 255" : there));
   }
   if (lost > 0) remove_samples(points, gone);
 }

@@ -1,4 +1,4 @@
-// Classes of the points of surveys (ground, building, …): names, and the choice of points by them.
+// Classes of survey points (ground, building, …): names, and selection by class.
 #pragma once
 
 #include <array>
@@ -14,15 +14,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// The attribute that holds the class of each point, by its name in some capitals or other: classification (LAS, PDAL),
-/// scalar_Classification (CloudCompare) or class, of one component. Null if there is none.
+/// Attribute with the class of each point, of one component and identified by name, ignoring case: classification (LAS,
+/// PDAL), scalar_Classification (CloudCompare) or class. Null if there is none.
 const Attribute* find_point_classes(const PointSet& points);
 
-/// How many points there are of each class; numbers that are no class count nowhere.
+/// Number of points per class; ignores numbers that are not classes.
 std::array<std::size_t, 256> count_point_classes(const Attribute& classification);
 
-/// Keeps the points of these classes, with all that belongs to them. Throws DataError where the points have no class,
-/// and where none is left, with the classes that there are.
+/// Keeps the points of these classes with their properties. Throws DataError if the points have no classes, or if none
+/// is left, with the list of existing classes.
 void keep_classes(PointSet& points, const PointClasses& classes);
 
 }  // namespace sansmesh::inline v1

@@ -9,21 +9,21 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Cells of a grid around a point are looked up by the hash of their coordinates, each packed in 21 bits.
+/// Key of a grid cell from its coordinates, with 21 bits each.
 std::uint64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::uint64_t kMask = (1u << 21) - 1;
   return (static_cast<std::uint64_t>(x) & kMask) | ((static_cast<std::uint64_t>(y) & kMask) << 21) |
          ((static_cast<std::uint64_t>(z) & kMask) << 42);
 }
 
-/// The points kept so far by their cells: a table with open addressing of the cells, and in each a chain of points.
+/// Selected points by cell: an open-addressing hash table of cells, each with a linked list of points.
 class KeptCells {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   KeptCells() : slots_(1 << 10) {}
 
-  /// The first point of a cell, or kNone; the others follow by `next`.
+  /// First entry of a cell, or kNone; the others follow by `next`.
   std::uint32_t first(std::uint64_t key) const { return slots_[find(key)].head; }
   std::uint32_t next(std::uint32_t entry) const { return entries_[entry].next; }
   std::uint32_t point(std::uint32_t entry) const { return entries_[entry].point; }
@@ -67,7 +67,7 @@ class KeptCells {
   std::size_t used_ = 0;
 };
 
-/// A permutation of the numbers below n that jumps about: multiples of a large stride that shares no divisor with n.
+/// Stride that is coprime to n: its multiples visit the numbers below n in scattered order.
 std::size_t scattered_stride(std::size_t n) {
   std::size_t stride = static_cast<std::size_t>(0.6180339887498949 * static_cast<double>(n)) | 1;
   const auto divisor = [](std::size_t a, std::size_t b) {
@@ -87,8 +87,8 @@ std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double ra
   KeptCells cells;
   const std::size_t stride = scattered_stride(n);
   const double r2 = radius * radius;
-  // A little larger than the radius, so that rounding never puts two neighbours two cells apart; and no cell so far
-  // away that its number would not fit.
+  // Slightly larger than the radius, so that rounding never puts two neighbours two cells apart; and limited, so that
+  // cell numbers do not overflow.
   const double edge = radius * (1 + 1e-4);
   const auto cell = [edge](double v) {
     constexpr std::int64_t kFarthest = std::int64_t{1} << 60;
@@ -102,7 +102,7 @@ std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double ra
         if (squared_norm(points[cells.point(at)] - p) < r2) return false;
       return true;
     };
-    bool free = free_in(x, y, z);  // the likeliest place of one that is too close
+    bool free = free_in(x, y, z);  // tests the most likely cell first
     for (std::int64_t dx = -1; dx <= 1 && free; ++dx)
       for (std::int64_t dy = -1; dy <= 1 && free; ++dy)
         for (std::int64_t dz = -1; dz <= 1 && free; ++dz)

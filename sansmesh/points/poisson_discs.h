@@ -1,4 +1,4 @@
-// An even choice from many points.
+// Even selection from many points (Poisson disc sampling).
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Indices, ascending, of points no two of which are closer than `radius` (length, > 0), such that every other point is
-/// closer than that to one of them. They are chosen in a fixed, scattered order, not in that of the array. O(n).
+/// Ascending indices of a maximal set of points with pairwise distances of at least `radius` (length, > 0): every other
+/// point is closer to one of them. Points are visited in a fixed scattered order, not in array order. O(n).
 std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double radius);
 
 }  // namespace sansmesh::inline v1

@@ -16,6 +16,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
+#include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
@@ -23,10 +24,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A local fit needs this many samples.
+/// Least number of samples for a local fit.
 constexpr std::size_t kFewest = 9;
-/// Share of given normals that may look away from where their samples were seen: noise at grazing angles.
-constexpr double kMostLookingAway = 0.1;
+/// Largest share of given normals facing away from the sensor: noise at grazing angles.
+constexpr double kMostFacingAway = 0.1;
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
   const std::size_t given = points.size();
@@ -40,7 +41,7 @@ void clean(PointSet& points, std::vector<std::string>& warnings) {
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
 }
 
-/// `unit`: a length of 1 in the input. `as_mesh`: triangles tell what so few or flat points do not.
+/// `unit`: input length of 1. `as_mesh`: triangles supplement few or flat points.
 void check_shape(const PointSet& points, double unit, bool as_mesh = false) {
   const CloudShape shape = classify_shape(points);
   const bool flat = shape == CloudShape::line || shape == CloudShape::plane;
@@ -75,8 +76,7 @@ bool all_on_faces(const PointSet& mesh) {
   return std::find(on_face.begin(), on_face.end(), 0) == on_face.end();
 }
 
-/// Faces as samples where the vertices are not enough, and as the source of normals. Which way these look, if they are
-/// those of faces.
+/// Samples the faces if the vertices are insufficient, and uses face normals. Returns the orientation of these, if any.
 FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
   if (points.triangles.empty() || faces == FaceUse::ignore) return FaceSides::unknown;
   const bool forced = faces == FaceUse::sample;
@@ -97,14 +97,14 @@ FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& w
   return sides;
 }
 
-/// Turns consistent normals that look away from where their samples were seen. False where that is not known, or not
-/// believable, and they stay as they are.
+/// Flips consistent normals that face away from the sensor. Returns false, without changes, if the sensor is unknown or
+/// implausible.
 bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
   PointSet& points = cloud.points;
   for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
-    const std::vector<Vec3f> sights = find_sights(points, by);
-    if (sights.empty()) continue;
-    if (share_looking_away(points, sights) < kMostLookingAway) return true;
+    const std::vector<Vec3f> directions = find_sensor_directions(points, by);
+    if (directions.empty()) continue;
+    if (share_facing_away(points, directions) < kMostFacingAway) return true;
     OrientationOptions orientation;
     orientation.noise = cloud.noise;
     const std::vector<Vec3f> given = points.normals;
@@ -115,8 +115,7 @@ bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
     std::size_t turned = 0;
     for (std::size_t i = 0; i < given.size(); ++i) turned += points.normals[i] != given[i];
     cloud.oriented_by = by;
-    cloud.warnings.push_back(counted(turned, "normal") +
-                             " turned: they looked away from where their samples were seen");
+    cloud.warnings.push_back(counted(turned, "normal") + " flipped: they faced away from the sensor");
     return true;
   }
   return false;
@@ -131,7 +130,7 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
   cloud.estimated_normals = true;
 }
 
-/// Of thin parts neighbours tell less than faces that bound solids do.
+/// For thin parts, faces that bound solids are more reliable than neighbours.
 OrientationCheck judged_orientation(const PreparedCloud& cloud) {
   switch (cloud.face_sides) {
     case FaceSides::outward:
@@ -148,8 +147,8 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   PointSet& points = cloud.points;
   if (use.normals == NormalUse::as_given) {
     if (use.orient_by != OrientBy::automatic)
-      throw ArgumentError("`orient_by` turns normals: it means nothing with `normals = given`");
-    if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
+      throw ArgumentError("`orient_by` changes normals: it has no effect with `normals = given`");
+    if (!points.has_normals()) throw DataError("there are no given normals");
     return;
   }
   if (use.normals == NormalUse::estimate) points.normals.clear(), cloud.face_sides = FaceSides::unknown;
@@ -159,7 +158,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
     if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
-    cloud.warnings.push_back("the normals point inward: turned round");
+    cloud.warnings.push_back("the normals point inward: flipped");
     for (Vec3f& n : points.normals) n = -n;
     return;
   }
@@ -175,29 +174,30 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   cloud.oriented_by = orient_normals(points, tree, orientation, progress);
   if (check == OrientationCheck::unoriented && measure_orientation(points, cloud.noise).related < kLeastRelated)
     cloud.warnings.push_back(
-        "the normals have nothing to do with those next to them, so no sign is right: `normals = estimate` makes "
+        "the normals are unrelated to those of neighbouring samples: no sign is right; `normals = estimate` makes "
         "others");
 }
 
-/// Of all scans together, to tell whether they disagree; and of each of them at least.
-constexpr std::size_t kTold = 1500, kFewestTold = 60;
+/// Number of samples of all scans together for detecting misalignment, and least number per scan.
+constexpr std::size_t kCheckedSamples = 1500, kFewestCheckedSamples = 60;
 
 std::string scan_called(const PointSet& points, std::size_t scan) {
   return scan < points.scan_names.size() ? points.scan_names[scan] : "scan " + std::to_string(scan + 1);
 }
 
-/// Says whether scans disagree, or moves them. True if they were moved.
+/// Reports misaligned scans, or aligns them. Returns whether they were moved.
 bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   PointSet& points = cloud.points;
   if (points.scan_of_point.size() != points.size() || !has_several_scans(points)) {
-    if (move) cloud.warnings.push_back("there is only one scan: nothing to be aligned");
+    if (move) cloud.warnings.push_back("there is only one scan: nothing to align");
     return false;
   }
   progress.begin(move ? "align scans" : "compare scans");
   ScanAlignmentOptions options;
   if (!move) {
     const std::size_t scans = std::max(points.scan_names.size(), points.scanners.size());
-    options.samples = std::clamp(kTold / std::max<std::size_t>(scans, 1), kFewestTold, kTold / 2);
+    options.samples =
+        std::clamp(kCheckedSamples / std::max<std::size_t>(scans, 1), kFewestCheckedSamples, kCheckedSamples / 2);
     options.rounds = 5;
   }
   ScanAlignment found;
@@ -214,7 +214,7 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   const std::size_t moved = found.most_moved(), farthest = found.farthest_off();
   if (found.warped())
     cloud.warnings.push_back("scans disagree by " + off(found.deviations[farthest], farthest) +
-                             ", and no motion of whole scans changes that: they are warped");
+                             ", which no rigid motion corrects: they are warped");
   if (!move) {
     if (found.disagree())
       cloud.warnings.push_back("scans disagree by up to " + off(found.displacements[moved], moved) +
@@ -222,7 +222,7 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
     return false;
   }
   if (found.rounds == 0) {
-    cloud.warnings.push_back("no two scans have a place in common: nothing to be aligned");
+    cloud.warnings.push_back("no two scans overlap: nothing to align");
     return false;
   }
   if (found.displacements[moved] <= 0) {
@@ -266,7 +266,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progre
   prepare_normals(result, use, progress);
   if (align_scans(result, use.align, progress)) {
     result.noise.reset(), result.spacing.reset();
-    // Those of scans that did not fit together were means over what lay beside each other.
+    // Normals estimated from misaligned scans averaged over adjacent surfaces.
     if (result.estimated_normals) {
       result.points.normals.clear();
       prepare_normals(result, use, progress);

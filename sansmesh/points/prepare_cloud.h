@@ -1,4 +1,4 @@
-// From what a file holds to samples that methods can use: the first half of every front door.
+// Cloud preparation: converts the content of a file to samples for reconstruction methods.
 #pragma once
 
 #include <optional>
@@ -9,37 +9,37 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
 
 struct PreparedCloud {
-  PointSet points;   ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
-  LocalFrame frame;  ///< of these in the input; the unit is a power of two
-  bool estimated_normals = false;  ///< there were none, or they were not wanted
-  /// Where the normals were taken from faces that bound solids: which side is out is known of these, not judged.
+  PointSet points;                 ///< cleaned samples with oriented normals; origin 0, size about 1
+  LocalFrame frame;                ///< their local frame; the unit is a power of two
+  bool estimated_normals = false;  ///< normals were missing or ignored
+  /// Orientation of faces if normals come from faces that bound solids: exact, not estimated.
   FaceSides face_sides = FaceSides::unknown;
-  /// From what the normals got their signs; nothing where they have those of the input.
+  /// Source of the signs of normals; absent if the input's signs were kept.
   std::optional<OrientBy> oriented_by = {};
-  /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.
+  /// Noise and spacing of the points in local units, if they were estimated for the normals: saves another estimation.
   std::optional<double> noise = {}, spacing = {};
   std::vector<std::string> warnings;
-  /// With `align`: what was done to the scans, in words; empty where nothing was asked for.
+  /// Result of `align` as text; empty without `align`.
   std::string alignment = {};
 };
 
-/// The first half of it: cleaned, faces sampled where need be, moved and scaled; normals as they come, if there are
-/// any. Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
+/// First half of prepare_cloud: cleaning, sampling of faces if required, translation and scaling; keeps given normals.
+/// Throws DataError if the points are unusable (fewer than 9, all coincident, collinear or coplanar).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
-/// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape,
-/// or away from where the samples were seen. Throws DataError as above, and as keep_classes;
-/// ArgumentError for `orient_by` with normals as given.
+/// Complete preparation. Given normals that agree with their neighbours keep their signs, unless they point into a
+/// closed shape or away from the sensor. Throws DataError as prepare_positions and keep_classes; ArgumentError for
+/// `orient_by` together with normals as given.
 PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress);
 
-/// For surfaces with edges: estimated normals are made sharp there (`denoise_normals`). Estimates blur edges; normals
-/// that came with the samples may be exact, are only worse for it, and stay.
+/// Sharpens estimated normals at creases (`denoise_normals`), for surfaces with creases. Estimation blurs creases;
+/// given normals may be exact, so they stay.
 void sharpen_estimated_normals(PreparedCloud& cloud, Progress& progress);
 
 }  // namespace sansmesh::inline v1

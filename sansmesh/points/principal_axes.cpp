@@ -60,7 +60,7 @@ Vec3 smallest_axis(const Symmetric3& m) {
   const Vec3 c[3] = {cross(r0, r1), cross(r0, r2), cross(r1, r2)};
   const double n[3] = {squared_norm(c[0]), squared_norm(c[1]), squared_norm(c[2])};
   const int best = n[0] >= n[1] ? (n[0] >= n[2] ? 0 : 2) : (n[1] >= n[2] ? 1 : 2);
-  // Eigenvalues so close together that the cross products are lost in rounding.
+  // Nearly equal eigenvalues: rounding dominates the cross products.
   if (!(n[best] > 1e-10)) return principal_axes(m).axes[0];
   return c[best] / std::sqrt(n[best]);
 }

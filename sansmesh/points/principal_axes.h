@@ -1,4 +1,4 @@
-// Principal axes of a handful of samples.
+// Principal axes of a small set of samples.
 #pragma once
 
 #include <span>
@@ -19,18 +19,18 @@ struct Symmetric3T {
 using Symmetric3 = Symmetric3T<double>;
 
 struct PrincipalAxes {
-  Vec3 values;   ///< ascending eigenvalues, x smallest
-  Vec3 axes[3];  ///< orthonormal eigenvectors to them
+  Vec3 values;   ///< ascending eigenvalues, smallest in x
+  Vec3 axes[3];  ///< corresponding orthonormal eigenvectors
 };
 
-/// Eigenvalues and vectors (cyclic Jacobi: accurate for any matrix, degenerate ones included).
+/// Eigenvalues and eigenvectors (cyclic Jacobi: accurate for all matrices, including degenerate ones).
 PrincipalAxes principal_axes(const Symmetric3& m);
 
-/// Unit eigenvector to the smallest eigenvalue in closed form; zero where the matrix is zero. For matrices whose two
-/// smallest eigenvalues (nearly) coincide the answer is some unit vector orthogonal to the largest one's.
+/// Unit eigenvector of the smallest eigenvalue in closed form; zero for the zero matrix. If the two smallest
+/// eigenvalues (nearly) coincide, some unit vector orthogonal to the eigenvector of the largest.
 Vec3 smallest_axis(const Symmetric3& m);
 
-/// Covariance of offsets about their mean, divided by their number, and that mean.
+/// Mean of offsets, and their covariance about it, divided by their number.
 struct Moments {
   Vec3 mean;
   Symmetric3 covariance;

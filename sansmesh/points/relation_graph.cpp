@@ -11,24 +11,24 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
-/// relation across would join them.
+/// Heights below this many noise levels are ignored. Within sheets close to each other the factor is smaller, since a
+/// single edge across would join them.
 constexpr double kUnseen = 3, kUnseenWithin = 2;
-/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of
-/// these (in spacings) it can be told from what the shape leaves; above the second one the nearest neighbours are no
-/// longer those along the surface. Noise that is said to be so much less or so much more is not believed.
+/// Number of samples, and stretch of adjacent ones, for estimating the noise within sheets. Above the first limit (in
+/// spacings) it can be distinguished from shape; above the second the nearest neighbours are no longer those along the
+/// surface. Given noise below or above these factors of the estimate is replaced.
 constexpr std::size_t kSheetSamples = 5000, kSheetStretch = 16;
 constexpr double kCertainNear = 0.15, kLargestNear = 0.45;
 constexpr double kHiddenNoise = 0.67, kSheetsAsNoise = 1.5, kSheetsWithoutNoise = 2.5;
-/// Mean size of the relations of a sample (of 127) below which its normal says little: a stray, or leaves.
+/// Mean magnitude (of 127) of a sample's relations below which its normal is uninformative: a stray sample, or foliage.
 constexpr int kFirm = 30;
-/// No sample stands for more than so many times the area that its neighbours do: strays would.
+/// Largest ratio of a sample's area to that of its neighbours: bounds stray samples.
 constexpr float kLargestArea = 4;
 
-/// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
-/// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
-/// flat, round or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets:
-/// these say nothing. Heights below `unseen` count as zero, or noise would look like many sheets.
+/// Relation of the signs of the normals at both ends of an edge: +1 equal, −1 opposite, 0 unknown. The normals at the
+/// ends of an arc are mirror images in the bisecting plane of the chord, for flat, round and creased arcs [koenig2009].
+/// Edges at equal steep angles to both tangent planes connect two sheets and are uninformative. Heights below `unseen`
+/// count as zero, otherwise noise would look like many sheets.
 float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen) {
   const Vec3f d = q - p;
   const float length = norm(d);
@@ -69,7 +69,7 @@ RelationGraph::RelationGraph(const KdTree& tree, std::span<const Vec3f> normals,
       relations_[s * degree_ + count++] = quantized(
           relation(positions_[s], normals_[s], positions_[neighbour.index], normals_[neighbour.index], unseen));
     }
-    for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
+    for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop, which is uninformative
     area_[s] = found.back().squared_distance;
   });
   limit_areas();
@@ -113,7 +113,7 @@ double RelationGraph::within_sheet(double noise) const {
   if (off.empty()) return noise;
   const double spacing =
       std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
-  // Normal deviates: differences of two are √2 wide, and half of them are within 0.67 of that.
+  // For normal deviates: differences of two have √2 times their deviation, and half of them are within 0.67 of that.
   const double near = static_cast<double>(median(off)) / (0.6745 * std::numbers::sqrt2);
   const bool certain = near > kCertainNear * spacing;
   const bool hidden = certain && noise < kHiddenNoise * near;
@@ -128,7 +128,7 @@ void RelationGraph::limit_areas() {
   const float large = kLargestArea * median(some);
   const std::vector<float> raw = area_;
   parallel_for(0, size(), 8192, [&](std::size_t s) {
-    if (raw[s] <= large) return;  // as most are
+    if (raw[s] <= large) return;  // the usual case
     std::vector<float> around(degree_);
     for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
     area_[s] = std::min(raw[s], kLargestArea * median(around));

@@ -1,4 +1,4 @@
-// Neighbouring normals, and what they say of each other's signs.
+// Graph of neighbouring normals with evidence on their relative signs.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,21 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// The neighbour graph in tree order, and what its edges say.
+/// Neighbour graph in tree order; each edge has a relation of the signs at its ends.
 class RelationGraph {
  public:
-  /// The tree of the samples' positions stays where it is. `noise`: length.
+  /// The tree of the samples' positions must outlive the graph. `noise`: length.
   RelationGraph(const KdTree& tree, std::span<const Vec3f> normals, int neighbours, double noise);
 
   std::size_t size() const { return positions_.size(); }
   std::size_t degree() const { return degree_; }
   std::uint32_t neighbour(std::size_t s, std::size_t k) const { return neighbours_[s * degree_ + k]; }
   int relation_to(std::size_t s, std::size_t k) const { return relations_[s * degree_ + k]; }
-  /// Whether the sample's normal has to do with those of its neighbours.
+  /// Whether the sample's normal is correlated with those of its neighbours.
   bool firm(std::size_t s) const;
-  /// The share of what neighbours say, by its weight, that confirms the signs that the normals have.
+  /// Weighted share of edges that confirm the signs of the normals.
   double agreement() const;
-  /// The same with the signs of the normals times these.
+  /// Same, with the normals multiplied by these signs.
   double agreement(std::span<const std::int8_t> sign) const;
   const KdTree& tree() const { return tree_; }
   const std::vector<Vec3f>& positions() const { return positions_; }
@@ -36,9 +36,9 @@ class RelationGraph {
   const std::vector<float>& area() const { return area_; }  ///< up to a common factor
 
  private:
-  /// `noise`, or what the nearest neighbours say of it where that is something else: two sheets that are a few spacings
-  /// apart look like noise in wide neighbourhoods, or hide the noise that each of them has. How far neighbours lie off
-  /// the mean of their tangent planes is noise; what the shape does to it has the other sign at the other end.
+  /// Returns `noise`, or the noise of the nearest neighbours if it differs: two sheets a few spacings apart look like
+  /// noise in wide neighbourhoods, or hide the noise within each. Noise is the distance of neighbours from the mean of
+  /// their tangent planes; the contribution of curvature has opposite signs at both ends.
   double within_sheet(double noise) const;
   void limit_areas();
 
@@ -50,15 +50,15 @@ class RelationGraph {
   std::vector<std::int8_t> relations_;
 };
 
-/// An edge of the graph by the sample that it belongs to and its rank there.
+/// Edge of the graph: a sample and the rank of its neighbour.
 struct RelationEdge {
   std::uint32_t sample, rank;
 };
 
-/// Edges are looked at in stretches of so many samples, which threads share out.
+/// Number of samples per range when threads process edges.
 inline constexpr std::size_t kEdgeSamples = 32768;
 
-/// Calls visit(edge) for those for which keep(sample, rank) is true, in their order; all are asked before.
+/// Calls visit(edge) in order for all edges with keep(sample, rank); evaluates keep for all edges first, in parallel.
 template <class Keep, class Visit>
 void visit_edges(const RelationGraph& graph, const Keep& keep, const Visit& visit) {
   std::vector<std::vector<RelationEdge>> kept((graph.size() + kEdgeSamples - 1) / kEdgeSamples);
@@ -72,15 +72,15 @@ void visit_edges(const RelationGraph& graph, const Keep& keep, const Visit& visi
     for (const RelationEdge& e : std::exchange(some, {})) visit(e);
 }
 
-/// Joins along the edges at least so sure within stretches of so many samples along the tree, each by itself, in a
+/// Joins along edges at least this reliable within stretches of this many samples in tree order, independently, in a
 /// forest of single samples.
 void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch = kEdgeSamples);
 
-/// Joins along all edges at least so sure; the forest is flat before and after. Most of them join what belongs together
-/// already, which all threads see at once.
+/// Joins along all edges at least this reliable; the forest is flat before and after. Most edges connect samples
+/// already joined, which all threads detect in parallel.
 void join_sure(const RelationGraph& graph, SignForest& forest, int sure);
 
-/// Joins what is left apart in a flat forest by the votes of all edges between (`contract`).
+/// Joins the remaining sets of a flat forest by the votes of all edges between them (`contract`).
 void join_by_votes(const RelationGraph& graph, SignForest& forest);
 
 }  // namespace sansmesh::inline v1::detail

@@ -1,4 +1,4 @@
-// The samples' own colours between them.
+// Interpolates the colours of samples.
 #pragma once
 
 #include "sansmesh/field/color_field.h"
@@ -7,11 +7,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// The mean of the four nearest samples' colours, weighted by inverse squared distance: components 0..255. The tree is
-/// of the samples that `colors` belong to, and not empty.
+/// Mean colour of the four nearest samples, weighted by inverse squared distance: components 0..255. The tree contains
+/// the samples of `colors` and is not empty.
 Vec3 mean_color(const KdTree& samples, std::span<const std::array<std::uint8_t, 3>> colors, const Vec3f& x);
 
-/// That mean anywhere.
+/// Interpolated colours of samples as a ColorField.
 class SampleColors : public ColorField {
  public:
   /// Throws DataError if the cloud has no colours.

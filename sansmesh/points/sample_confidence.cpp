@@ -12,14 +12,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Noises within which samples are near, and spacings more until they are out of reach.
+/// Factor of the noise within which samples are near, and further spacings until they are out of reach.
 constexpr double kUsualNoises = 3, kOutOfReach = 2;
 
 }  // namespace
 
 SampleConfidence::SampleConfidence(const PointSet& samples, double spacing, double noise)
     : tree_(samples.positions), positions_(samples.positions), spacing_(spacing), noise_(noise) {
-  if (tree_.size() == 0) throw DataError("there are no samples to be confident by");
+  if (tree_.size() == 0) throw DataError("confidence needs samples");
 }
 
 double SampleConfidence::reach_spacing(std::uint32_t sample) const {
@@ -35,7 +35,7 @@ void SampleConfidence::evaluate(std::span<const Vec3f> x, std::span<float> dista
     const double d = nearest ? std::sqrt(static_cast<double>(nearest->squared_distance)) : 0;
     distances[i] = static_cast<float>(d);
     confidences[i] = nearest ? 1 : 0;
-    // So near that it is 1 whatever the local spacing.
+    // Close enough for confidence 1 at any local spacing.
     if (!nearest || d <= std::max(kLeastLocal * spacing_, kUsualNoises * noise_)) return;
     const double s = reach_spacing(nearest->index), usual = std::max(s, kUsualNoises * noise_);
     confidences[i] = static_cast<float>(std::clamp(1 - (d - usual) / (kOutOfReach * s), 0.0, 1.0));

@@ -1,4 +1,4 @@
-// How far what was made of samples is from them, and how much it can be trusted there.
+// Distance of a surface from the samples, and the resulting confidence.
 #pragma once
 
 #include <span>
@@ -10,22 +10,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// The confidence of a point on a surface, from its distance d to the nearest sample p:
+/// Confidence of a surface point from its distance d to the nearest sample p:
 ///
 ///   c = min(1, max(0, (r − d) / (r − u))),  u = max(s, 3 σ),  r = u + 2 s,
 ///
-/// with s the local spacing of the samples around p and σ the noise: 1 where samples are as near as they are to each
-/// other, 0 where the nearest is out of the reach within which they cover a surface (Coverage: three spacings), as on
-/// what closes a hole. s is √(π d² / 16) with the distance d to p's 16th neighbour, as in Coverage between ½ and 3
-/// times the spacing of all.
+/// with the local spacing s of the samples around p and the noise σ. It is 1 within the spacing of the samples and 0
+/// where the nearest sample is out of the reach that defines coverage (Coverage: three spacings), as on the filling of
+/// a hole. s is √(π d² / 16) with the distance d from p to its 16th neighbour, limited as in Coverage to between ½ and
+/// 3 times the mean spacing.
 class SampleConfidence {
  public:
-  /// Lengths in the unit of the samples. `spacing`: of all of them, √(area / count), above 0. Throws DataError without
+  /// Lengths in the samples' unit. `spacing`: of all samples, √(area / count), positive. Throws DataError without
   /// samples.
   SampleConfidence(const PointSet& samples, double spacing, double noise);
 
-  /// Distances to the nearest sample (length) and confidences 0..1 of points relative to the samples' origin. As many
-  /// as points.
+  /// Computes distances to the nearest sample (length) and confidences 0..1 of points relative to the samples' origin.
+  /// As many entries as points.
   void evaluate(std::span<const Vec3f> x, std::span<float> distances, std::span<float> confidences) const;
 
  private:
@@ -36,10 +36,10 @@ class SampleConfidence {
   double spacing_, noise_;
 };
 
-/// Confidence as colour: white where it is 1, red where it is 0.
+/// Colour of a confidence: white for 1, red for 0.
 Vec3f confidence_color(float confidence);
 
-/// That of a surface, anywhere.
+/// Confidence of a surface as a ColorField.
 class ConfidenceColors : public ColorField {
  public:
   ConfidenceColors(const PointSet& samples, double spacing, double noise) : confidence_(samples, spacing, noise) {}

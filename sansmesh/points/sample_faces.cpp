@@ -5,19 +5,13 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
+#include "sansmesh/data/triangles.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
-double uniform(std::uint64_t counter) {
-  std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-/// Attributes of the vertices, interpolated, and of the triangles.
+/// Interpolates attributes of vertices, and copies those of triangles.
 void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& samples, PointSet& cloud) {
   if (!mesh.attributes.empty()) {
     std::vector<std::uint32_t> corners(3 * samples.size());
@@ -42,28 +36,20 @@ void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& sampl
 
 }  // namespace
 
-Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
-  const std::size_t n = vertices.size();
-  if (t[0] >= n || t[1] >= n || t[2] >= n) return {};
-  const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
-  const Vec3 area = cross(b - a, c - a);
-  return is_finite(area) ? area : Vec3{};
-}
-
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count) {
-  std::vector<double> area(triangles.size());  // summed up to and including each
+  std::vector<double> area(triangles.size());  // cumulative areas
   double total = 0;
   for (std::size_t i = 0; i < area.size(); ++i) area[i] = total += norm(doubled_area(vertices, triangles[i]));
   if (!(total > 0)) return {};
   std::vector<FaceSample> samples(count);
   parallel_for(0, count, 2048, [&](std::size_t i) {
-    const double at = (static_cast<double>(i) + uniform(3 * i)) / static_cast<double>(count) * total;
+    const double at = (static_cast<double>(i) + unit_random(3 * i)) / static_cast<double>(count) * total;
     auto found = std::upper_bound(area.begin(), area.end(), at);
     if (found == area.end()) found = std::lower_bound(area.begin(), area.end(), total);  // rounding beyond the end
     const auto index = static_cast<std::size_t>(found - area.begin());
     const Triangle& t = triangles[index];
-    double u = uniform(3 * i + 1), v = uniform(3 * i + 2);
+    double u = unit_random(3 * i + 1), v = unit_random(3 * i + 2);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
     samples[i] = {a + (b - a) * u + (c - a) * v, Vec3f(normalized(cross(b - a, c - a))),

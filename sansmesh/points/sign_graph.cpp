@@ -13,7 +13,7 @@ namespace {
 struct Candidate {
   std::int64_t majority;
   std::uint32_t a, b;
-  // Largest majority first; the indices decide ties.
+  // Largest majority first; indices break ties.
   friend bool operator<(const Candidate& l, const Candidate& r) {
     if (l.majority != r.majority) return l.majority < r.majority;
     return l.a != r.a ? l.a > r.a : l.b > r.b;
@@ -35,8 +35,8 @@ void SignForest::flatten() {
 }
 
 void contract(SignForest& forest, const std::vector<SignVote>& votes) {
-  // Sums of the votes between the present sets, known to both sides. A set goes by the name of one of its members;
-  // the votes in its row are those on that member's sign.
+  // Sums of votes between current sets, stored for both. A set is named after one of its members; the votes in its row
+  // refer to that member's sign.
   std::unordered_map<std::uint32_t, std::unordered_map<std::uint32_t, std::int64_t>> sums;
   for (const SignVote& vote : votes) {
     const SignForest::Root a = forest.find(vote.a), b = forest.find(vote.b);
@@ -62,7 +62,7 @@ void contract(SignForest& forest, const std::vector<SignVote>& votes) {
     if (cell == row_a->second.end() || std::abs(cell->second) != best.majority) continue;  // outdated
     const bool opposite = cell->second < 0;
     forest.join(best.a, best.b, opposite);
-    // The shorter list of neighbours moves into the longer; the signs in it turn with their set.
+    // Merges the shorter list of neighbours into the longer; its signs flip with their set.
     std::uint32_t keep = best.a, move = best.b;
     if (sums[keep].size() < sums[move].size()) std::swap(keep, move);
     const auto moved = std::move(sums[move]);

@@ -1,4 +1,4 @@
-// Which of many ± signs agree, from votes of different weight between pairs of them.
+// Determines consistent ± signs from weighted votes between pairs.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Union-find whose members know their sign relative to their root.
+/// Union-find whose members store their sign relative to the root.
 class SignForest {
  public:
   explicit SignForest(std::size_t n) : parent_(n), flip_(n), size_(n, 1) {
@@ -22,7 +22,7 @@ class SignForest {
     std::uint32_t root = i;
     std::uint8_t flip = 0;
     while (parent_[root] != root) flip ^= flip_[root], root = parent_[root];
-    // Everything on the way hangs directly below the root from now on.
+    // Path compression: links every node on the path directly to the root.
     for (std::uint8_t f = flip; parent_[i] != root && i != root;) {
       const std::uint8_t own = flip_[i];
       flip_[i] = f;
@@ -31,7 +31,7 @@ class SignForest {
     }
     return {root, flip != 0};
   }
-  /// Joins the sets of a and b such that their signs are opposite or equal; no effect where they are joined already.
+  /// Joins the sets of a and b such that their signs are opposite or equal; no effect if they are already joined.
   void join(std::uint32_t a, std::uint32_t b, bool opposite) {
     Root ra = find(a), rb = find(b);
     if (ra.index == rb.index) return;
@@ -40,9 +40,9 @@ class SignForest {
     flip_[rb.index] = static_cast<std::uint8_t>(ra.flip ^ rb.flip ^ opposite);
     size_[ra.index] += size_[rb.index];
   }
-  /// Hangs every member directly below its root, in parallel.
+  /// Links every member directly to its root, in parallel.
   void flatten();
-  /// As `find`, of a forest flattened since the last join: for many threads at once.
+  /// Same as `find`, for a forest flattened since the last join; thread-safe.
   Root flat_root(std::uint32_t i) const { return {parent_[i], flip_[i] != 0}; }
   std::size_t size() const { return parent_.size(); }
 
@@ -52,15 +52,15 @@ class SignForest {
   std::vector<std::uint32_t> size_;
 };
 
-/// A vote on the signs of two nodes: positive = equal, negative = opposite. Whole numbers, so that sums do not depend
-/// on the order in which they are formed.
+/// Vote on the signs of two nodes: positive = equal, negative = opposite. Integer, so that sums do not depend on their
+/// order.
 struct SignVote {
   std::uint32_t a, b;
   std::int64_t weight;
 };
 
-/// Joins nodes in `forest` from the clearest majority to the least clear one; votes between the same two sets add up,
-/// newly joined ones included (greedy additive edge contraction, Keuper et al. 2015). Votes refer to members.
+/// Joins nodes in `forest` from the largest to the smallest majority; votes between the same two sets are summed, also
+/// for newly joined sets (greedy additive edge contraction [keuper2015]). Votes refer to members.
 void contract(SignForest& forest, const std::vector<SignVote>& votes);
 
 }  // namespace sansmesh::inline v1

@@ -13,14 +13,14 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSpacingPlaces = 500;
-constexpr std::size_t kNear = 24;    ///< neighbours that tell the spacing of a clean cloud
-constexpr std::size_t kWide = 200;   ///< and of one whose noise hides the surface from the nearest ones
-constexpr double kThickness = 0.35;  ///< deviation across / along the surface from which on a cloud is such
+constexpr std::size_t kNear = 24;    ///< neighbours for the spacing of a clean cloud
+constexpr std::size_t kWide = 200;   ///< neighbours if noise hides the surface from the nearest ones
+constexpr double kThickness = 0.35;  ///< ratio of deviations across and along the surface above which noise hides it
 
-// Edge of one sample's square when `count` samples share a disc.
+// Edge of one sample's square if `count` samples share a disc.
 double spacing_of_disc(double radius, double count) { return radius * std::sqrt(std::numbers::pi / count); }
 
-// Flattens the neighbourhood and counts within a radius that leaves its top and bottom complete.
+// Projects the neighbourhood onto its plane and counts within a radius in which its thickness is complete.
 double flattened_spacing(const Neighbourhood& neighbourhood) {
   const Moments m = moments(neighbourhood.offsets);
   const Vec3 normal = principal_axes(m.covariance).axes[0];

@@ -1,5 +1,6 @@
 #include "sansmesh/points/subsample.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "sansmesh/core/scramble.h"
@@ -14,10 +15,17 @@ std::vector<std::uint32_t> scattered_choice(std::size_t n, std::size_t count) {
     std::iota(chosen.begin(), chosen.end(), 0u);
     return chosen;
   }
-  // Each number is taken with the chance that is right for what is still wanted of what is left.
+  // Selection sampling: takes each number with the probability of required over remaining ones.
   chosen.reserve(count);
   for (std::size_t i = 0; i < n && chosen.size() < count; ++i)
     if (scrambled(i) % (n - i) < count - chosen.size()) chosen.push_back(static_cast<std::uint32_t>(i));
+  return chosen;
+}
+
+std::vector<std::uint32_t> evenly_spaced(std::size_t n, std::size_t count) {
+  count = std::min(n, count);
+  std::vector<std::uint32_t> chosen(count);
+  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
   return chosen;
 }
 

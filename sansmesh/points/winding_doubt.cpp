@@ -14,24 +14,24 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Places at which winding numbers are asked for, and samples that they are summed over, of all parts together.
+/// Total numbers of evaluation points and of source samples, over all parts.
 constexpr std::size_t kWindingPlaces = 1500, kWindingSources = 10000;
-/// Of a part, so that a mean over some of its places means something.
+/// Least number of samples of a part for a meaningful mean.
 constexpr std::size_t kFewestOfPart = 200;
 constexpr std::size_t kNearPlaces = 12;
-/// Sheets are smoothed over so many noises, or spacings of the sources.
+/// Width of the smoothing in noise levels, or spacings of the sources.
 constexpr double kSmoothed = 2;
-/// Off the typical winding number by more than this share of it.
+/// Largest relative deviation from the typical winding number.
 constexpr double kOff = 0.5;
 
-/// Every `step`-th of a list, from its middle on.
+/// Every `step`-th entry of a list, starting in the middle of a step.
 std::vector<std::uint32_t> every(const std::vector<std::uint32_t>& list, std::size_t step) {
   std::vector<std::uint32_t> some;
   for (std::size_t i = step / 2; i < list.size(); i += step) some.push_back(list[i]);
   return some;
 }
 
-/// Winding numbers up to a factor.
+/// Winding numbers up to a constant factor.
 std::vector<double> winding_at(const RelationGraph& graph, const std::vector<std::uint32_t>& places,
                                const std::vector<std::uint32_t>& sources, double width) {
   std::vector<double> winding(places.size());
@@ -80,7 +80,7 @@ double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> 
   double doubtful = 0;
   for (const std::vector<std::uint32_t>& of : members) {
     if (of.size() < kFewestOfPart) continue;
-    // A small part is asked at more of its samples, or there would be no mean.
+    // Small parts are evaluated more densely, so that there is a mean.
     const std::size_t own_step = std::min(step, of.size() / kFewestOfPart);
     const std::vector<std::uint32_t> places = every(of, own_step);
     const std::vector<double> winding =

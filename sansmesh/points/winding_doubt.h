@@ -1,4 +1,4 @@
-// A look at the signs of normals that knows nothing of neighbours: do they enclose what their samples lie around?
+// Global check of normal signs by winding numbers, independent of neighbour relations.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,11 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Share of the samples at which the winding number of their own part, with the signs that the normals have, is not the
-/// half that it is all over a closed surface, but less than half or more than one and a half times that, on the mean
-/// over the places nearby. `part` of each sample; of parts that are `open`, and of small ones, nothing is asked. Noise
-/// (length) and spacings are smoothed away. Signs that are wrong in whole regions show in all that these face; so does
-/// noise that is as large as the shape is thin, where nobody can tell the sides. At fixed places, the same for any
-/// number of threads.
+/// Share of the samples whose winding number in their own part deviates from the value ½ on a closed surface: in the
+/// mean over nearby samples it is less than half or more than one and a half times that. `part` of each sample; skips
+/// `open` and small parts. Smooths over the noise (length) and the spacings. Wrong signs of whole regions affect all
+/// samples that these face; so does noise of the size of the shape's thickness, where the sides are not
+/// distinguishable. Evaluated at fixed samples, independent of the number of threads.
 double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> part,
                      std::span<const std::uint8_t> open, double noise);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint8_t kNoEdge = 255;
 
-/// The corners of face 2·axis + side, counter-clockwise seen from outside.
+/// Corners of face 2·axis + side, counter-clockwise seen from outside.
 constexpr std::array<std::array<std::uint8_t, 4>, 6> corners_of_faces() {
   std::array<std::array<std::uint8_t, 4>, 6> all{};
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -24,7 +24,7 @@ constexpr std::array<std::array<std::uint8_t, 4>, 6> corners_of_faces() {
 }
 constexpr std::array<std::array<std::uint8_t, 4>, 6> kFaces = corners_of_faces();
 
-/// The number of the edge between two corners: 4 · its direction + where it lies.
+/// Index of the edge between two corners: 4 · direction + position.
 std::size_t edge_between(std::size_t a, std::size_t b) {
   const std::size_t low = std::min(a, b), along = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2;
   const std::size_t across = along == 0 ? low >> 1 : along == 1 ? (low & 1u) | (low >> 1 & 2u) : low & 3u;
@@ -46,7 +46,7 @@ void trace_cell(unsigned negative, std::size_t outer, unsigned split, CellPolygo
   const auto below = [&](std::size_t corner) { return (negative >> corner & 1u) != 0; };
   struct Step {
     std::uint8_t to = kNoEdge;
-    CellPolygons::Point from{}, via{};  ///< corners of the edge, and of that across a face if the way crosses it
+    CellPolygons::Point from{}, via{};  ///< corners of the edge, and of the face diagonal if the path crosses it
     bool crosses = false;
   };
   std::array<Step, 12> step;
@@ -55,17 +55,18 @@ void trace_cell(unsigned negative, std::size_t outer, unsigned split, CellPolygo
     unsigned signs = 0;
     for (std::size_t k = 0; k < 4; ++k) signs |= below(at[k]) ? 1u << k : 0u;
     if (signs == 0 || signs == 15) continue;
-    // The edge across: from the corner of the block on faces of the block, from its middle on the others.
+    // End of the face diagonal: a corner of the block on the block's faces, else its centre.
     const std::size_t axis = face / 2, side = face % 2;
     const std::size_t end = side == (outer >> axis & 1u) ? outer : outer ^ 7u;
     std::size_t d = 0;
     while (at[d] != end) ++d;
     const std::size_t e = (d + 2) % 4;
     const bool alternate = signs == 5 || signs == 10;
-    for (std::size_t k = 0; k < 4; ++k) {  // from where the sign gets negative ...
+    for (std::size_t k = 0; k < 4; ++k) {  // from the change to negative ...
       const std::size_t l = (k + 1) % 4;
       if (below(at[k]) || !below(at[l])) continue;
-      std::size_t m = l;  // ... to where it gets positive: on, or if positive corners are kept apart, back
+      // ... to the change to positive: the next one, or the previous if positive corners are separated.
+      std::size_t m = l;
       if (alternate && below(at[d])) {
         m = (k + 3) % 4;
       } else {
@@ -112,7 +113,7 @@ void best_triangles(std::span<const Vec3> corner, std::vector<std::array<std::ui
     }
     return;
   }
-  // By the best for all parts i, i + 1, …, j, from short ones to long ones.
+  // Dynamic programming over the vertex ranges i, i + 1, …, j, by increasing length.
   thread_local std::vector<double> best;
   thread_local std::vector<std::uint32_t> middle;
   best.assign(n * n, 1);

@@ -9,20 +9,20 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
-/// share of a block.
+/// Shift of the cube in blocks, so that faces of blocks do not coincide with faces of solids, which are often at round
+/// numbers.
 constexpr Vec3 kBlockShift{0.3819, 0.2361, 0.4271};
-/// Room between larger blocks and places with two pieces, in cells: the triangles of a crease zone are all of one size.
+/// Distance in cells between larger blocks and points with two pieces: the triangles of a crease zone have one size.
 constexpr double kRoom = 2;
-/// What is asked lies in a cube larger than the block by this share of a cell: curved parts that begin right beside a
-/// block begin in it after the vertices moved.
+/// Enlargement of the queried cube beyond the block, in cells: vertices move, so a curved part just outside the block
+/// affects it.
 constexpr double kWider = 0.5;
 
-/// Blocks have the shape of a piece if that departs from a plane by no more than this share of their half edge: a pipe
-/// has four across, a ball six.
+/// Largest deviation of a piece from a plane, over half the block's edge: a pipe then has four blocks across, a ball
+/// six.
 constexpr double kShape = 0.25;
 
-/// Whether the field is a plane in each of these cubes, as far as `flat` and 27 points can tell.
+/// Whether the field is planar to within `flat` in each of these cubes, tested at 27 points.
 std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vector<Vec3>& centers, double half,
                                      double flat) {
   std::vector<std::uint8_t> result(centers.size(), 1);
@@ -33,7 +33,7 @@ std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vec
   std::iota(open.begin(), open.end(), 0u);
   std::vector<Vec3> x;
   std::vector<double> f;
-  // First the corners, where most that is curved is found out, then the middles of edges and faces.
+  // Corners first, which reveal most curvature, then midpoints of edges and faces.
   for (const bool corners : {true, false}) {
     std::vector<Vec3> offsets;
     for (int k = 0; k < 27; ++k) {
@@ -56,8 +56,8 @@ std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vec
   return result;
 }
 
-/// Of blocks of one size with these centres, those that the surface may pass through as far as a ball around each
-/// tells.
+/// Selects blocks of one size, given by their centres, that the surface may cross according to the field at a ball
+/// around each.
 std::vector<std::uint32_t> blocks_with_surface(const PiecewiseField& field, const std::optional<double>& slope,
                                                const std::vector<Vec3>& centers, double corner) {
   std::vector<std::uint32_t> found;
@@ -75,7 +75,7 @@ std::vector<std::uint32_t> blocks_with_surface(const PiecewiseField& field, cons
   return found;
 }
 
-/// Which blocks, all of this size, are to be cut.
+/// Marks the blocks, all of this size, that must be divided.
 void choose(const PiecewiseField& field, const CreaseBlockOptions& options, const std::vector<Vec3>& centers,
             double half, std::vector<std::uint8_t>& cut) {
   const double block = 2 * half, corner = std::sqrt(3.0) * half, alone = corner + kRoom * options.cell;

@@ -1,4 +1,4 @@
-// Blocks for fields with creases: small along creases, elsewhere as large as the pieces allow.
+// Block trees for fields with creases: small blocks along creases, elsewhere as large as the pieces allow.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,26 @@
 namespace sansmesh::inline v1 {
 
 struct CreaseBlockOptions {
-  /// Edge of the blocks along creases, and wherever more than one piece is near (length, > 0).
+  /// Edge of the blocks near creases, where more than one piece is close (length, > 0).
   double cell = 0;
-  /// Edge of the blocks on curved pieces of which nothing else is known; at least `cell`. Smaller ones, down to `cell`,
-  /// only where pieces bend so much that blocks of this size would miss their shape.
+  /// Edge of blocks on curved pieces without further information; at least `cell`. Blocks become smaller, down to
+  /// `cell`, only where a piece curves so strongly that blocks of this size would miss its shape.
   double smooth_cell = 0;
-  /// Pieces that depart from planes by no more than this over a block need no smaller ones (length). Negative: all
-  /// blocks along the surface have the edge `cell`.
+  /// Accepted deviation of a piece from a plane over a block (length). Negative: all blocks along the surface have the
+  /// edge `cell`.
   double flat = -1;
-  /// What the field's gradients are at most, where that is known: values tell by it where the surface may be. Else
-  /// PiecewiseField::ranges() tells.
+  /// Bound of the norm of the field's gradient, if known: values then bound the location of the surface. Otherwise
+  /// PiecewiseField::ranges() does.
   std::optional<double> slope;
 };
 
-/// A tree of blocks for polygonize_with_creases(), with a cube around `box`. Blocks that the surface may pass through
-/// are cut down to `cell` unless the field's survey() says that only one piece is near, with room for the triangles
-/// along creases; that it is flat, or no finer than the block in its detail, has been asked at 27 points. Down to the
-/// level of kCreaseBaseLevel all blocks are cut that meet the box: fields are distances only near their surfaces.
+/// A tree of blocks for polygonize_with_creases() over a cube around `box`. Blocks that the surface may cross are
+/// divided down to `cell`, unless survey() reports a single piece within reach of the triangles along creases that is
+/// flat or has no detail below the block size, tested at 27 points. Down to kCreaseBaseLevel all blocks that meet the
+/// box are divided, because fields are distances only near their surfaces.
 BlockTree crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
                         Progress& progress);
-/// The same, or nothing if that takes more than `most` blocks.
+/// As above, but returns nothing if the tree would exceed `most` blocks.
 std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
                                        Progress& progress, std::size_t most);
 

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::uint32_t kNone = CreaseZone::kNone;
 constexpr int kZoneRings = 3;
-/// Long triangles are welcome where they follow flat faces and cylinders: what is measured here is the surface.
+/// Long triangles along flat faces and cylinders are accepted: only the surface error counts.
 constexpr double kLeastShape = 0.25;
-/// Share of the error of simplification for merges without looking at quadrics: what is flat but for rounding.
+/// Fraction of the simplification error allowed for collapses without quadrics, in parts that are flat up to rounding.
 constexpr double kThin = 0.1;
 
 std::vector<Vec3> positions(const TriangleMesh& mesh) {
@@ -90,10 +90,10 @@ PieceMesh resolve_creases(const PiecewiseField& field, const std::vector<Vec3>& 
   for (std::size_t t = 0; t < zone.surface.triangles(); ++t)
     if (zone.surface.alive(t)) resolved.push_back(zone.surface[t]);
   const MeshTopology after = zone_topology(resolved, zone.x);
-  // (The zone may touch itself in a vertex of its border.)
+  // The zone may touch itself at a vertex of its border.
   if (after.nonmanifold_edges > 0 || after.nonmanifold_vertices != before.nonmanifold_vertices || !after.oriented() ||
       after.euler != before.euler || after.boundary_edges != before.boundary_edges) {
-    // Cannot happen unless the field contradicts itself: the mesh as it was, which is at least closed.
+    // Only for fields that contradict themselves: keep the original mesh, which is at least closed.
     mesh.triangles = triangles;
     mesh.piece.resize(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -117,7 +117,7 @@ PieceMesh resolve_creases(const PiecewiseField& field, const std::vector<Vec3>& 
     mesh.triangles.push_back({global[a], global[b], global[c]});
     mesh.piece.push_back(zone.piece[t]);
   }
-  drop_unused_vertices(mesh);  // the merged ones
+  drop_unused_vertices(mesh);  // vertices merged above
   return mesh;
 }
 

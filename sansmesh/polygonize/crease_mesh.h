@@ -1,4 +1,4 @@
-// Field with creases → mesh with the creases as edges.
+// Polygonization of fields with creases; creases become edges of the mesh.
 #pragma once
 
 #include "sansmesh/field/piecewise_field.h"
@@ -9,16 +9,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// polygonize() for a field of smooth pieces: the same closed 2-manifold, but with vertices on the curves where two
-/// pieces meet (on both of them to the precision of the mesh) and in the points where three or more do, and with edges
-/// along these curves, so that no triangle reaches across. The method is described in docs/methods/polygonisation.md.
+/// polygonize() for a field of smooth pieces: a closed 2-manifold with vertices on the curves where two pieces meet (on
+/// both of them to the precision of the mesh) and at the points where three or more do, and with edges along these
+/// curves, so that no triangle crosses a crease. Method: docs/methods/polygonisation.md.
 ///
-/// Where a crease cannot be placed (pieces tangent to each other within 2°, strips of surface narrower than a block),
-/// the mesh is that of polygonize(), and closed all the same. Vertices off creases are on the surface, or straddle it
-/// with `options.balance`. Vertex normals are the gradients of the vertex's piece, on creases the mean of its pieces'
-/// normals, weighted by the angles of their triangles. `options.creases` and `options.placement` are not used: creases
-/// are always made, out of `field` itself. With `options.simplify` the creases stay creases, and their vertices on
-/// them. Deterministic for any number of threads. Throws ArgumentError as polygonize() does.
+/// Where a crease cannot be placed (pieces tangent within 2°, strips of surface narrower than a block), the mesh is
+/// that of polygonize(), and still closed. Vertices off creases are on the surface, or straddle it with
+/// `options.balance`. Vertex normals are the gradients of the vertex's piece; on creases they are the mean of the
+/// pieces' normals, weighted by the angles of the triangles. `options.creases` and `options.placement` are ignored:
+/// creases always come from `field` itself. `options.simplify` preserves creases and keeps their vertices on them.
+/// Deterministic for any number of threads. Throws ArgumentError as polygonize() does.
 TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree blocks, const Vec3& origin,
                                      const PolygonizeOptions& options, Progress& progress);
 

@@ -14,16 +14,16 @@ constexpr double kThinLeastShape = 0.3;
 constexpr double kTurn = 0.5;  // least cosine between a triangle's normals before and after
 constexpr std::size_t kMostRing = 16;
 constexpr int kMostPasses = 40;
-constexpr std::size_t kWorthIt = 200;  // a pass that merges fewer than one vertex in so many is the last
+constexpr std::size_t kWorthIt = 200;  // the last pass merges fewer than one vertex in this many
 
 struct Thinner {
   PieceMesh& mesh;
   EditableSurface surface;
   double error;
 
-  std::size_t n = 0;  ///< size of the ring of the vertex looked at now
+  std::size_t n = 0;  ///< size of the ring of the current vertex
   std::array<std::uint32_t, kMostRing> leaving{}, tip{}, piece{};
-  std::array<Vec3, kMostRing> spoke{}, area{};  ///< to the neighbours; normals of the triangles, twice their area long
+  std::array<Vec3, kMostRing> spoke{}, area{};  ///< vectors to the neighbours; triangle normals of twice the area
 
   static double shape(const Vec3& normal, const Vec3& a, const Vec3& b) {
     const double sum = squared_norm(a) + squared_norm(b) + squared_norm(b - a);
@@ -32,8 +32,8 @@ struct Thinner {
 
   enum class Found { nothing, later, merged };
 
-  /// Reads the ring of v: triangle k lies between neighbours k and k + 1. `nothing` if nothing can be done there,
-  /// `later` if it has too many neighbours, of which others may merge; else `merged`.
+  /// Collects the ring of v: triangle k is between neighbours k and k + 1. Returns `nothing` if v cannot be merged,
+  /// `later` if it has too many neighbours, some of which may merge first; else `merged`.
   Found gather(std::uint32_t v) {
     if (surface.on_border(v) || mesh.rank[v] == 0) return Found::nothing;
     n = 0;
@@ -55,14 +55,14 @@ struct Thinner {
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 &a = spoke[k], &b = spoke[(k + 1) % n];
       area[k] = cross(a, b);
-      // Triangles without height have no plane that could hold them, and none that they could leave.
+      // Triangles without height define no plane.
       const double longest = std::max({squared_norm(a), squared_norm(b), squared_norm(b - a)});
       if (!(squared_norm(area[k]) > error * error * longest)) return Found::nothing;
     }
     return Found::merged;
   }
 
-  /// Whether merging v into neighbour k moves no triangle out of its plane and changes no piece.
+  /// Whether merging v into neighbour k keeps all triangles in their planes and changes no piece.
   bool in_plane(std::size_t k) const {
     const std::size_t other = (k + n - 1) % n;  // the other triangle of the edge to neighbour k
     const bool along_crease = piece[k] != piece[other];
@@ -75,7 +75,7 @@ struct Thinner {
     return true;
   }
 
-  /// The least shape of the triangles that v being merged into neighbour k would leave; below 0 if one turns over.
+  /// Least shape of the remaining triangles after merging v into neighbour k; below 0 if one inverts.
   double shape_after(std::size_t k) const {
     double least = 1;
     for (std::size_t t = 0; t < n; ++t) {
@@ -108,7 +108,7 @@ struct Thinner {
     return Found::merged;
   }
 
-  /// Passes in which no two merged vertices are neighbours, so that all parts become coarser alike.
+  /// Passes in which no two merged vertices are neighbours, so that all parts coarsen evenly.
   void run() {
     std::vector<std::uint32_t> now(mesh.x.size()), next;
     for (std::uint32_t v = 0; v < now.size(); ++v) now[v] = v;

@@ -7,10 +7,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Shares of the mean edge at a vertex.
+// Fractions of the mean edge at a vertex.
 constexpr double kSnapCrease = 0.3, kSnapCorner = 0.5;
-constexpr double kForced = 0.8;    // a vertex that belongs to neither side of a crease may go farther to reach it
-constexpr double kOnPiece = 1e-4;  // on the surface; two pieces agree
+constexpr double kForced = 0.8;    // larger reach for a vertex on neither side of a crease
+constexpr double kOnPiece = 1e-4;  // tolerance for being on the surface, and for two pieces to agree
 
 std::uint8_t rank_of(const PieceLabel& l) {
   const std::size_t n = l.pieces.count;
@@ -93,14 +93,14 @@ void CreaseZone::place_on_pieces() {
   field.active(x, active);
   std::vector<Meeting> first(n);
   for (std::size_t v = 0; v < n; ++v) first[v] = {x[v], 0.6 * size[v], {active[v]}, 1, false, {}, {}};
-  const auto newton = [&](std::vector<Meeting>& all) {  // here it is asked afterwards whether they are on the surface
+  const auto newton = [&](std::vector<Meeting>& all) {  // without check_surface: tested below
     find_meetings(field, all);
   };
   newton(first);
   std::vector<Vec3> at(n);
   for (std::size_t v = 0; v < n; ++v) at[v] = first[v].x;
   field.active(at, other);
-  // Where another piece is active at the place found, the vertex may belong to that one, or to the crease between.
+  // If another piece is active at the result, the vertex may belong to that piece, or to the crease between.
   std::vector<std::uint32_t> list;
   std::vector<Meeting> second;
   for (std::size_t v = 0; v < n; ++v) {
@@ -132,7 +132,7 @@ void CreaseZone::place_on_pieces() {
 }
 
 void CreaseZone::merge_coincident() {
-  // Pieces that agree are one surface: a label of either is a label of both.
+  // Pieces that agree are one surface: a label with one of them receives both.
   std::vector<PieceValue> queries;
   std::vector<std::uint32_t> at;
   for (std::uint32_t h = 0; h < 3 * surface.triangles(); ++h) {

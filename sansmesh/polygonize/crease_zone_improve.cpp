@@ -1,4 +1,4 @@
-// The second half of CreaseZone: triangles get their pieces, and a good shape.
+// Second half of CreaseZone: assigns pieces to triangles and improves their shape.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,15 +8,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kGood = 0.5;         // 4√3 A / Σ l²: triangles above are left alone
-constexpr double kBad = 0.1;          // below, nearly anything is better
-constexpr double kLeastCosine = 0.3;  // between a triangle and its piece; below it counts as nearly folded
-constexpr double kGain = 0.004;       // of the penalties, that makes a change worth it
+constexpr double kGood = 0.5;         // 4√3 A / Σ l²: better triangles are left alone
+constexpr double kBad = 0.1;          // below, almost any change is an improvement
+constexpr double kLeastCosine = 0.3;  // between a triangle and its piece; below it the triangle counts as nearly folded
+constexpr double kGain = 0.004;       // least reduction of the penalties that justifies a change
 constexpr int kPasses = 4, kMendPasses = 4;
 constexpr double kLastResort = 0.05, kNever = -1e9;
 constexpr double kSameCorner = 0.05;
-constexpr double kInARow = 1e-3;  // a shape
-constexpr double kLongest = 2.2;  // mean edges: no merge makes a longer one
+constexpr double kInARow = 1e-3;  // shape of a degenerate triangle
+constexpr double kLongest = 2.2;  // longest edge that a collapse may make, in mean edges
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void CreaseZone::assign_pieces() {
       if (q > best + 1e-6) best = q, piece[t] = p;
     }
     if (best > 0.1) continue;
-    // Three vertices in a row on a crease: the one in the middle belongs on the other side of the longest edge.
+    // Three vertices in a row on a crease: the middle one belongs on the other side of the longest edge.
     std::uint32_t longest = 3 * t;
     for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
       if (norm(x[surface.to(h)] - x[surface.from(h)]) > norm(x[surface.to(longest)] - x[surface.from(longest)]))
@@ -108,7 +108,7 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
   const std::uint32_t from = surface.from(h), to = surface.to(h);
   const PieceLabel &l = label[from], &kept = label[to];
   if (l.rank == 0 || surface.on_border(from) || !surface.can_collapse(h)) return kNever;
-  // What the triangles around it use of its pieces: less than it lies on where a corner or a crease was found twice.
+  // Pieces of the surrounding triangles: fewer than the vertex's own where a corner or a crease was found twice.
   PieceSet used;
   std::uint32_t creases = 0;
   surface.around(from, [&](std::uint32_t e) {
@@ -122,7 +122,7 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
   if (l.rank == 3 && used.count > 2) {  // corners stay
     if (kept.rank < 3 || norm(x[from] - x[to]) > kSameCorner * size[to]) return kNever;
   } else if (l.rank > 1 && used.count > 1 && creases > 0) {  // creases only become straighter
-    // …or lose a strip of triangles that all have their corners in a row on them.
+    // …or lose a strip of triangles whose corners are all in a row on the crease.
     if ((creases % 2 != 0 || !crease_edge(h)) && !(in_a_row(h / 3) && in_a_row(surface.twin(h) / 3))) return kNever;
   }
   double gain = 0;
@@ -146,10 +146,11 @@ bool CreaseZone::mend(std::uint32_t t) {
   std::uint32_t chosen = 0;
   std::array<std::uint32_t, 2> pieces{};
   double best = kGain;
-  // Several bad triangles side by side may need more than one merge before anything is gained.
+  // Several bad neighbouring triangles may need more than one collapse before the penalty falls.
   const double bonus = penalty(surface[t], piece[t]) > 1 ? kLastResort : 0;
   const std::uint32_t other_piece = best_piece(surface[t]);
-  if (other_piece != kNone && other_piece != piece[t]) {  // all corners on the same crease: it may be on either side
+  if (other_piece != kNone &&
+      other_piece != piece[t]) {  // all corners on one crease: the triangle may be on either side
     const double gain = penalty(surface[t], piece[t]) - penalty(surface[t], other_piece);
     if (gain > best) {
       best = gain;
@@ -264,7 +265,7 @@ void CreaseZone::look_again(std::uint32_t v) {
 void CreaseZone::improve() {
   look_.assign(surface.triangles(), 1);
   for (int pass = 0; pass < kPasses; ++pass) {
-    std::vector<std::uint32_t> corners;  // those next to each other learn of each other's pieces
+    std::vector<std::uint32_t> corners;  // duplicates of one corner exchange their pieces
     for (std::uint32_t v = 0; v < x.size(); ++v)
       if (surface.used(v) && label[v].rank == 3) corners.push_back(v);
     settle(corners, true);

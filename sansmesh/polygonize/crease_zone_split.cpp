@@ -1,4 +1,4 @@
-// The middle part of CreaseZone: edges that cross a crease are flipped, or get a vertex on it.
+// Middle part of CreaseZone: flips edges that cross a crease, or adds a vertex on it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,14 +9,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Shares of the mean edge at a vertex.
+// Fractions of the mean edge at a vertex.
 constexpr double kSplitReach = 0.8, kSplitCorner = 1.2, kSplitMost = 6;
-constexpr double kApart = 1e-3;  // vertices closer than that are one
+constexpr double kApart = 1e-3;  // vertices closer than that coincide
 constexpr int kSplitRounds = 6;
 constexpr int kBisections = 7;
 
-/// How far from the middle of an edge the crease that it cuts short may be: the edge is the base of a triangle with the
-/// angle between the pieces at its apex.
+/// Largest distance from the midpoint of an edge to the crease that it cuts short: the edge is the base of a triangle
+/// whose apex has the angle between the pieces.
 double crease_reach(const Meeting& m, double edge) {
   const double cosine = std::clamp(dot(m.normal[0], m.normal[1]), -1.0, 1.0);
   const double depth = 0.5 * edge * std::sqrt((1 - cosine) / std::max(1e-9, 1 + cosine));
@@ -64,13 +64,7 @@ std::size_t CreaseZone::flip_crossing() {
   return count;
 }
 
-std::size_t CreaseZone::split_crossing(int round) {
-  struct Crossing {
-    std::uint32_t from, to;
-    double low = 0, high = 1;
-    std::uint32_t next = 0;  ///< the piece on which the edge leaves those of its first vertex
-    std::size_t first = 0;   ///< of its meetings
-  };
+std::vector<CreaseZone::Crossing> CreaseZone::find_crossings() const {
   std::vector<Crossing> crossings;
   for (std::uint32_t h = 0; h < 3 * surface.triangles(); ++h) {
     const std::uint32_t g = surface.twin(h);
@@ -97,6 +91,10 @@ std::size_t CreaseZone::split_crossing(int round) {
       }
     }
   }
+  return crossings;
+}
+
+std::vector<Meeting> CreaseZone::meetings_on(std::vector<Crossing>& crossings) const {
   std::vector<Meeting> meetings;
   for (Crossing& c : crossings) {
     c.first = meetings.size();
@@ -120,6 +118,12 @@ std::size_t CreaseZone::split_crossing(int round) {
     }
   }
   find_meetings(field, meetings);
+  return meetings;
+}
+
+std::size_t CreaseZone::split_crossing(int round) {
+  std::vector<Crossing> crossings = find_crossings();
+  const std::vector<Meeting> meetings = meetings_on(crossings);
   std::vector<std::uint32_t> added;
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const std::uint32_t h = surface.find(crossings[i].from, crossings[i].to), g = surface.twin(h);
@@ -134,7 +138,7 @@ std::size_t CreaseZone::split_crossing(int round) {
       if (m.count == 2 && norm(m.x - m.start) > crease_reach(m, norm(x[around[0]] - x[around[1]]))) continue;
       bool taken = false;
       for (const std::uint32_t v : around) taken = taken || norm(x[v] - m.x) < kApart * local;
-      if (m.count == 3 && round < kSplitRounds / 2)  // later one that exists may be made again: improve() merges them
+      if (m.count == 3 && round < kSplitRounds / 2)  // duplicates are tolerated in later rounds: improve() merges them
         for (const std::uint32_t v : around) taken = taken || corner_near(v, m.x, 0.05 * local);
       if (taken) {
         wait = wait || m.count == 3;
@@ -142,7 +146,7 @@ std::size_t CreaseZone::split_crossing(int round) {
       }
       if (best == nullptr || m.count > best->count || norm(m.x - m.start) < norm(best->x - best->start)) best = &m;
     }
-    // The corner exists already: a flip may connect it once the edges beside this one are split.
+    // The corner exists already: a flip may connect it once the adjacent edges are split.
     if (best == nullptr || (wait && best->count == 2 && round < 2)) continue;
     surface.split_edge(h);
     added.push_back(add_vertex(best->x, local, *best));

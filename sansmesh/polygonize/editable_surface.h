@@ -1,4 +1,4 @@
-// A triangle surface whose edges can be split, flipped and collapsed one by one.
+// A triangle surface that supports splitting, flipping and collapsing single edges.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 namespace sansmesh::inline v1 {
 
 /// An oriented manifold, closed or with a border, as flat arrays: half-edge 3t + k runs from corner k of triangle t to
-/// the next. Every operation keeps it an oriented manifold of the same topology; where that is impossible, can_... says
-/// so. Numbers of triangles stay valid: what goes is marked, what is new is appended.
+/// the next corner. Every operation preserves the oriented manifold and its topology; can_… reports whether an
+/// operation is possible. Triangle indices stay valid: removed triangles are marked, new ones are appended.
 class EditableSurface {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// `triangles` use vertices 0 .. vertices − 1 and have no edge with more than two triangles.
+  /// `triangles` use vertices 0 .. vertices − 1; no edge has more than two triangles.
   EditableSurface(std::vector<Triangle> triangles, std::size_t vertices);
 
   std::size_t triangles() const { return triangle_.size(); }
@@ -29,12 +29,12 @@ class EditableSurface {
   static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
   std::uint32_t from(std::uint32_t h) const { return triangle_[h / 3][h % 3]; }
   std::uint32_t to(std::uint32_t h) const { return from(next(h)); }
-  std::uint32_t apex(std::uint32_t h) const { return from(previous(h)); }  ///< the vertex opposite to h
+  std::uint32_t apex(std::uint32_t h) const { return from(previous(h)); }  ///< vertex opposite to h
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }           ///< kNone at the border
   bool on_border(std::uint32_t v) const { return border_[v] != 0; }
   bool used(std::uint32_t v) const { return out_[v] != kNone; }
 
-  /// The half-edges that leave a vertex inside of the border, in the order of their triangles around it.
+  /// Visits the half-edges that leave an inner vertex, in the order of their triangles around it.
   template <class Body>
   void around(std::uint32_t v, Body&& body) const {
     const std::uint32_t first = out_[v];
@@ -64,10 +64,10 @@ class EditableSurface {
     return found;
   }
 
-  /// Puts a new vertex on an inner edge: from(h) → new → to(h). Half-edge h ends at the new vertex afterwards. Appends
-  /// two triangles, the second half of h's and that of its twin's, in this order.
+  /// Splits an inner edge: from(h) → new → to(h). Afterwards half-edge h ends at the new vertex. Appends two triangles:
+  /// the second half of h's triangle, then that of its twin's.
   std::uint32_t split_edge(std::uint32_t h);
-  /// Puts a new vertex into a triangle, which keeps its first edge. Appends two triangles.
+  /// Splits a triangle into three; it keeps its first edge. Appends two triangles.
   std::uint32_t split_triangle(std::uint32_t t);
 
   /// Whether the edge can be replaced by the other diagonal of its two triangles.
@@ -75,7 +75,7 @@ class EditableSurface {
   /// Afterwards the triangles are (from, other, apex) in place of h's and (other, to, apex) in place of its twin's.
   void flip(std::uint32_t h);
 
-  /// Whether from(h) can be merged into to(h) (link condition; both inside of the border).
+  /// Whether from(h) can be collapsed into to(h) (link condition; both vertices are inner).
   bool can_collapse(std::uint32_t h) const;
   void collapse(std::uint32_t h);
 

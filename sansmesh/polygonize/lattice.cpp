@@ -137,7 +137,7 @@ std::uint32_t LatticeNumbering::brick_of(std::uint64_t key) {
 }
 
 std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
-  // Coordinates are at most 1 << 17: fields of 19 bits are wide enough on every scale.
+  // Coordinates are at most 1 << 17: fields of 19 bits suffice on every scale.
   const int scale = std::countr_zero(p[0] | p[1] | p[2] | (1u << 20)), shift = scale + 2;
   const std::uint64_t key = static_cast<std::uint64_t>(scale) << 57 | static_cast<std::uint64_t>(p[0] >> shift) << 38 |
                             static_cast<std::uint64_t>(p[1] >> shift) << 19 | static_cast<std::uint64_t>(p[2] >> shift);
@@ -148,7 +148,7 @@ std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
   std::uint32_t& number =
       bricks_[last_brick_][(p[0] >> scale & 3) | (p[1] >> scale & 3) << 2 | (p[2] >> scale & 3) << 4];
   if (number == kUnset) {
-    if (points_.size() == kUnset) throw DataError("the blocks of the mesh have more vertices than can be counted");
+    if (points_.size() == kUnset) throw DataError("the blocks of the mesh have too many vertices for 32-bit indices");
     number = static_cast<std::uint32_t>(points_.size());
     points_.push_back(p);
   }
@@ -158,7 +158,7 @@ std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
 BlockRefinement refinement_of(const BlockTree& tree, std::uint32_t block) {
   const BlockTree::Block& b = tree[block];
   BlockRefinement r;
-  if (b.level == tree.depth()) return r;  // nothing is finer
+  if (b.level == tree.depth()) return r;  // no finer blocks exist
   const auto finer = [&](int dx, int dy, int dz) {
     return tree.subdivided(b.level, std::int64_t{b.cell[0]} + dx, std::int64_t{b.cell[1]} + dy,
                            std::int64_t{b.cell[2]} + dz);

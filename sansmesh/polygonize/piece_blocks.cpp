@@ -11,31 +11,33 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLeastLevel = 3;
-/// A block's edge times the bend of a piece in it, at most: then the piece is one sheet in it.
+/// Largest product of a block's edge and a piece's curvature: the piece is then one sheet in the block.
 constexpr double kMostBend = 0.7;
-/// Edge of the smallest blocks, as a share of the root's: tips end here.
+/// Smallest block edge as a fraction of the root's; tips end here.
 constexpr double kSmallest = 3.2e-5;
-/// The triangles of a block with edge e are about e/2 wide; straddling a surface of curvature κ, they are κ(e/2)²/24
-/// off on average. Where they bend one way only it would be half of that, but simplification uses that up again: this
-/// much of it in the end.
+/// Triangles of a block with edge e are about e/2 wide. Straddling a surface of curvature κ, their mean error is
+/// κ(e/2)²/24. For a singly curved surface it would be half, but simplification consumes most of that gain;
+/// kOneWayShare is the measured factor.
 constexpr double kErrorShare = 1.0 / 96;
 constexpr double kOneWayShare = 0.7;
-/// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
+/// Half the block's diagonal plus the largest move of lattice vertices (piece_cut.cpp), over the block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
-/// With more pieces than this a block is cut further, or with more planes (as many as are fast to cut); planes only
-/// down to this share of the root's edge: where many go through one point or line, smaller blocks have no fewer.
+/// Blocks with more pieces, or more planes (limited by the cost of cutting), are divided further; for planes only down
+/// to this fraction of the root's edge, because smaller blocks do not reduce the number of planes through one point or
+/// line.
 constexpr std::size_t kManyPieces = 16, kManyPlanes = 60;
 constexpr double kSmallestOfPlanes = 1.0 / 100;
-/// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
+/// Smallest block edge for pieces that approach each other: below, the resolution of float is reached.
 constexpr double kRoundingOfMesh = 1e-7;
 constexpr std::array<double, 3> kShift{0.3819, 0.2361, 0.4271};
-/// Where curved pieces are looked for before the size of the root is chosen: no deeper, and in no more blocks. So many
-/// sizes are compared; one larger than the usual has to be worth it.
+/// Survey of curved pieces that determines the root's size: deepest level, largest number of blocks, number of sizes
+/// compared, and the required ratio of blocks for a larger root.
 constexpr int kSurveyLevels = 4;
 constexpr std::size_t kSurveyBlocks = 8192;
 constexpr int kSizesOfRoot = 24;
 constexpr double kWorthALargerRoot = 0.9;
-/// Of the error and the bend that are accepted: usually blocks are smaller than they might be, here most are as large.
+/// Fraction of the accepted error and curvature: blocks are usually smaller than allowed, here most are as large as
+/// allowed.
 constexpr double kErrorOfLargest = 0.8;
 
 double error_share(const PieceExpression& field, std::uint32_t piece) {
@@ -54,11 +56,11 @@ struct Chooser {
     std::array<double, 9> value{};
     Vec3 gradient;
     bool bends = false;
-    std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of those below and itself
+    std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of its operands and itself
   };
 
-  /// Whether two sheets with their backs to each other come closer than they are straight. (Those that face the same
-  /// way are one sheet wherever both count.) Each counts where it is the value of its side, about.
+  /// Whether two sheets with opposite normals come closer than the deviation from linearity. (Sheets with equal normals
+  /// are one sheet wherever both count.) Each sheet counts where it approximately equals the value of its side.
   bool too_close(const Seen& a, const Seen& of_a, const Seen& b, const Seen& of_b, const std::array<Vec3, 9>& offset,
                  double edge) const {
     const double middle = a.value[0] + b.value[0];
@@ -86,7 +88,7 @@ struct Chooser {
       const double bend = field.bend(n.a, center, radius);
       curved = curved || bend > 0;
       bent = bent || bend * edge > kMostBend;
-      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has no end
+      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has unbounded curvature
       coarse = coarse || bend * edge * edge * error_share(field, n.a) > options.mesh_error;
     }
     if (options.cell > 0) {
@@ -129,7 +131,7 @@ struct Chooser {
             return Verdict::cut_if_allowed;
       now.pieces = a.pieces;
       now.pieces.insert(now.pieces.end(), b.pieces.begin(), b.pieces.end());
-      if (now.pieces.size() <= kManyPieces) continue;  // nodes may be parts of several others
+      if (now.pieces.size() <= kManyPieces) continue;  // nodes may be operands of several others
       std::sort(now.pieces.begin(), now.pieces.end());
       now.pieces.erase(std::unique(now.pieces.begin(), now.pieces.end()), now.pieces.end());
     }
@@ -137,7 +139,7 @@ struct Chooser {
   }
 };
 
-/// Pruned by what the values in the middle say of the block; false if nothing is left.
+/// Prunes the expression using the values at the block's centre; false if nothing is left.
 bool prune_block(const PieceExpression& field, const Vec3& center, double edge, std::span<const PieceNode> nodes,
                  std::vector<PieceNode>& left) {
   const double radius = kReachOfBlock * edge;
@@ -152,36 +154,56 @@ bool prune_block(const PieceExpression& field, const Vec3& center, double edge, 
   return prune(nodes, left, sign, same) == KnownSign::unknown;
 }
 
-struct OpenBlock {
-  std::uint32_t block;
-  std::uint32_t first, count;  ///< nodes of the block above, of the level before
-};
-
 constexpr std::size_t kChunkOfBlocks = 256;
 
 struct ChunkOfBlocks {
   std::vector<PieceNode> nodes;
-  std::vector<PieceBlocks::Leaf> met;  ///< nodes counted from the chunk's first
+  std::vector<PieceBlocks::Leaf> met;  ///< node indices relative to the chunk's first
   std::vector<std::uint8_t> verdict;
 };
 
-/// One level of the tree: what is left in each block, and `see(center, edge, nodes)` of it.
+/// Blocks of one level of the tree, with what their parents leave of the expression.
+struct OpenBlocks {
+  struct Block {
+    std::uint32_t block;
+    std::uint32_t first, count;  ///< nodes of the parent block
+  };
+  std::vector<Block> blocks;
+  std::vector<PieceNode> nodes;
+
+  OpenBlocks() = default;
+  explicit OpenBlocks(const PieceExpression& field)
+      : blocks{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}}, nodes(field.nodes()) {}
+
+  void add_children(const ChunkOfBlocks& chunk, const PieceBlocks::Leaf& parent, std::uint32_t first_child) {
+    if (appended_ != &chunk) {
+      appended_ = &chunk;
+      offset_ = static_cast<std::uint32_t>(nodes.size());
+      nodes.insert(nodes.end(), chunk.nodes.begin(), chunk.nodes.end());
+    }
+    for (std::uint32_t k = 0; k < 8; ++k) blocks.push_back({first_child + k, offset_ + parent.first, parent.count});
+  }
+
+ private:
+  const ChunkOfBlocks* appended_ = nullptr;
+  std::uint32_t offset_ = 0;
+};
+
+/// Prunes the expression in each block and calls `see(center, edge, nodes)`.
 template <class See>
-std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree,
-                                         const std::vector<OpenBlock>& open, const std::vector<PieceNode>& above,
+std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree, const OpenBlocks& open,
                                          See&& see) {
-  const std::size_t chunks = (open.size() + kChunkOfBlocks - 1) / kChunkOfBlocks;
+  const std::size_t n = open.blocks.size(), chunks = (n + kChunkOfBlocks - 1) / kChunkOfBlocks;
   std::vector<ChunkOfBlocks> found(chunks);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     ChunkOfBlocks& chunk = found[c];
-    const std::size_t end = std::min(open.size(), (c + 1) * kChunkOfBlocks);
-    for (std::size_t i = c * kChunkOfBlocks; i < end; ++i) {
+    for (std::size_t i = c * kChunkOfBlocks; i < std::min(n, (c + 1) * kChunkOfBlocks); ++i) {
       check_cancelled();
-      const OpenBlock& o = open[i];
+      const OpenBlocks::Block& o = open.blocks[i];
       const Vec3 center = tree.block_center(o.block);
       const double edge = tree.block_edge(o.block);
       const auto first = static_cast<std::uint32_t>(chunk.nodes.size());
-      if (!prune_block(field, center, edge, std::span(above).subspan(o.first, o.count), chunk.nodes)) continue;
+      if (!prune_block(field, center, edge, std::span(open.nodes).subspan(o.first, o.count), chunk.nodes)) continue;
       const auto count = static_cast<std::uint32_t>(chunk.nodes.size() - first);
       chunk.met.push_back({o.block, first, count});
       chunk.verdict.push_back(see(center, edge, std::span<const PieceNode>(chunk.nodes).subspan(first, count)));
@@ -189,30 +211,28 @@ std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const Blo
   });
   return found;
 }
+std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree, const OpenBlocks& open) {
+  return look_at_level(field, tree, open,
+                       [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
+}
 
-/// Blocks halve from the root on, so that a piece gets blocks between as large as it allows and half of that. By how
-/// much the root has to be larger, 1..2, for the fewest blocks along all curved pieces.
+/// Blocks halve from the root on, so that a piece has blocks between the largest allowed size and half of it. Returns
+/// the factor of the root's size, 1..2, that minimises the number of blocks along all curved pieces.
 double best_root(const PieceExpression& field, const Vec3& lower, double edge, const PieceBlockOptions& options) {
   BlockTree tree(lower, edge);
   struct Allowed {
     double edge, area;
   };
   std::vector<Allowed> all;
-  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  std::vector<PieceNode> above(field.nodes());
-  for (int level = 0; !open.empty(); ++level) {
-    const std::vector<ChunkOfBlocks> found = look_at_level(
-        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
-    const bool last = level == kSurveyLevels || 8 * open.size() > kSurveyBlocks;
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      if (!last) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
+  OpenBlocks open(field);
+  for (int level = 0; !open.blocks.empty(); ++level) {
+    const std::vector<ChunkOfBlocks> found = look_at_level(field, tree, open);
+    const bool last = level == kSurveyLevels || 8 * open.blocks.size() > kSurveyBlocks;
+    open = {};
+    for (const ChunkOfBlocks& c : found)
       for (const PieceBlocks::Leaf& m : c.met) {
         if (!last) {
-          const auto child = static_cast<std::uint32_t>(tree.subdivide(m.block));
-          for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
+          open.add_children(c, m, static_cast<std::uint32_t>(tree.subdivide(m.block)));
           continue;
         }
         const double e = tree.block_edge(m.block);
@@ -226,7 +246,6 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
           if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (bend * bend))});
         }
       }
-    }
   }
   double best = 1, least = 0;
   for (int k = 0; k < kSizesOfRoot; ++k) {
@@ -240,6 +259,61 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
     if (blocks < least) least = blocks, best = root;
   }
   return best;
+}
+
+/// Divides the blocks level by level; false if there are more than allowed.
+bool divide_where_needed(const PieceExpression& field, const PieceBlockOptions& options, const Chooser& chooser,
+                         Progress& progress, PieceBlocks& result) {
+  BlockTree& tree = result.tree;
+  OpenBlocks open(field);
+  for (int level = 0; !open.blocks.empty(); ++level) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found =
+        look_at_level(field, tree, open, [&](const Vec3& center, double e, std::span<const PieceNode> nodes) {
+          return static_cast<std::uint8_t>(level < kLeastLevel ? Chooser::Verdict::cut
+                                                               : chooser.look(center, e, nodes));
+        });
+    const double e = result.scale / static_cast<double>(1u << level);
+    const bool may_cut = level < BlockTree::kMaxLevel && (options.cell == 0 || e > 1.0001 * options.cell);
+    open = {};
+    for (const ChunkOfBlocks& c : found) {
+      for (std::size_t i = 0; i < c.met.size(); ++i) {
+        const auto verdict = static_cast<Chooser::Verdict>(c.verdict[i]);
+        if (verdict == Chooser::Verdict::too_small) result.unresolved = e;
+        if (!may_cut || verdict == Chooser::Verdict::fine || verdict == Chooser::Verdict::too_small) continue;
+        open.add_children(c, c.met[i], static_cast<std::uint32_t>(tree.subdivide(c.met[i].block)));
+      }
+      if (tree.size() > options.most_blocks) return false;
+    }
+  }
+  tree.balance();
+  return true;
+}
+
+/// Collects the leaves with their expressions, in the order of the tree.
+void collect_leaves(const PieceExpression& field, Progress& progress, PieceBlocks& result) {
+  const BlockTree& tree = result.tree;
+  OpenBlocks open(field);
+  while (!open.blocks.empty()) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found = look_at_level(field, tree, open);
+    open = {};
+    for (const ChunkOfBlocks& c : found)
+      for (const PieceBlocks::Leaf& m : c.met) {
+        if (!tree.is_leaf(m.block)) {
+          open.add_children(c, m, static_cast<std::uint32_t>(tree[m.block].first_child));
+          continue;
+        }
+        const auto first = static_cast<std::uint32_t>(result.nodes.size());
+        result.nodes.insert(result.nodes.end(), c.nodes.begin() + m.first, c.nodes.begin() + m.first + m.count);
+        result.leaves.push_back({m.block, first, m.count});
+      }
+  }
+  std::vector<std::uint32_t> rank(tree.size(), 0);
+  const std::vector<std::uint32_t> leaves = tree.leaves();
+  for (std::size_t i = 0; i < leaves.size(); ++i) rank[leaves[i]] = static_cast<std::uint32_t>(i);
+  std::sort(result.leaves.begin(), result.leaves.end(),
+            [&](const PieceBlocks::Leaf& a, const PieceBlocks::Leaf& b) { return rank[a.block] < rank[b.block]; });
 }
 
 }  // namespace
@@ -262,7 +336,7 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   const double scale = edge;
   if (options.cell > 0) {
     edge = options.cell;
-    // Blocks are an eighth of the root or less, whatever the cell: values take part of its edge (piece_cut.cpp).
+    // At most an eighth of the root for any cell: values are quantised relative to its edge (piece_cut.cpp).
     while (edge < longest * 1.001 + 2 * options.cell || edge < 8 * options.cell) edge *= 2;
   } else {
     edge *= best_root(field, box.center() - Vec3{edge, edge, edge} * 0.5, edge, options);
@@ -271,73 +345,12 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   Vec3 lower = box.center() - Vec3{edge, edge, edge} * 0.5;
   for (std::size_t k = 0; k < 3; ++k) lower[k] += (std::fmod(kShift[k] + shift, 1.0) - 0.5) * 0.9 * room;
   PieceBlocks result{BlockTree(lower, edge), {}, {}, edge, 0, false};
-  BlockTree& tree = result.tree;
-  const Chooser chooser{field, options, options.cell > 0 ? edge : scale};
   progress.begin("blocks");
-  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  std::vector<PieceNode> above(field.nodes());
-  for (int level = 0; !open.empty(); ++level) {
-    progress.check();
-    const std::vector<ChunkOfBlocks> found =
-        look_at_level(field, tree, open, above, [&](const Vec3& center, double e, std::span<const PieceNode> nodes) {
-          return static_cast<std::uint8_t>(level < kLeastLevel ? Chooser::Verdict::cut
-                                                               : chooser.look(center, e, nodes));
-        });
-    const double e = edge / static_cast<double>(1u << level);
-    const bool may_cut = level < BlockTree::kMaxLevel && (options.cell == 0 || e > 1.0001 * options.cell);
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      bool any = false;
-      for (std::size_t i = 0; i < c.met.size(); ++i) {
-        const auto verdict = static_cast<Chooser::Verdict>(c.verdict[i]);
-        if (verdict == Chooser::Verdict::too_small) result.unresolved = e;
-        if (!may_cut || verdict == Chooser::Verdict::fine || verdict == Chooser::Verdict::too_small) continue;
-        any = true;
-        const auto child = static_cast<std::uint32_t>(tree.subdivide(c.met[i].block));
-        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + c.met[i].first, c.met[i].count});
-      }
-      if (any) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
-      if (tree.size() > options.most_blocks) {
-        result.too_many = true;
-        return result;
-      }
-    }
+  if (!divide_where_needed(field, options, {field, options, options.cell > 0 ? edge : scale}, progress, result)) {
+    result.too_many = true;
+    return result;
   }
-  tree.balance();
-
-  // Again from the top, now that it is known which blocks are leaves.
-  std::vector<std::uint32_t> rank(tree.size(), 0);
-  {
-    const std::vector<std::uint32_t> leaves = tree.leaves();
-    for (std::size_t i = 0; i < leaves.size(); ++i) rank[leaves[i]] = static_cast<std::uint32_t>(i);
-  }
-  open = {{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  above = field.nodes();
-  while (!open.empty()) {
-    progress.check();
-    const std::vector<ChunkOfBlocks> found = look_at_level(
-        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      above.insert(above.end(), c.nodes.begin(), c.nodes.end());
-      for (const PieceBlocks::Leaf& m : c.met) {
-        if (tree.is_leaf(m.block)) {
-          const auto first = static_cast<std::uint32_t>(result.nodes.size());
-          result.nodes.insert(result.nodes.end(), c.nodes.begin() + m.first, c.nodes.begin() + m.first + m.count);
-          result.leaves.push_back({m.block, first, m.count});
-          continue;
-        }
-        const auto child = static_cast<std::uint32_t>(tree[m.block].first_child);
-        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
-      }
-    }
-  }
-  std::sort(result.leaves.begin(), result.leaves.end(),
-            [&](const PieceBlocks::Leaf& a, const PieceBlocks::Leaf& b) { return rank[a.block] < rank[b.block]; });
+  collect_leaves(field, progress, result);
   progress.finish();
   return result;
 }

@@ -1,4 +1,4 @@
-// Blocks for the mesh of minima and maxima of smooth functions, and which of these count in each.
+// Block trees for meshes of minima and maxima of smooth functions, with the pieces that matter in each block.
 #pragma once
 
 #include <cstddef>
@@ -16,18 +16,19 @@ namespace sansmesh::inline v1 {
 
 using PieceNode = PieceExpression::Node;
 
-/// More pieces than this cannot be cut out of one block.
+/// Largest number of pieces that one block may have.
 inline constexpr std::size_t kMostPiecesInBlock = 251;
-/// How many there are in an expression.
+/// Number of distinct pieces in an expression.
 std::size_t distinct_pieces(std::span<const PieceNode> nodes);
 
-/// What is known of the sign of a field.
+/// Known sign of a field in a region.
 enum class KnownSign : std::int8_t { inside = -1, unknown = 0, outside = 1 };
 
-/// Leaves out of an expression (nodes after those that they name; pieces by any number) what the signs known of its
-/// pieces decide. What is left is appended to `left`, with nodes counted from its end before; nothing if the sign of
-/// all is known, which is returned. `sign(piece)` says what is known, `same(piece, piece)` which pieces are the same:
-/// of these, that of the higher number counts as larger.
+/// Removes from an expression the nodes whose outcome the known signs of its pieces decide. Nodes follow their
+/// operands; pieces have arbitrary indices. The remaining nodes are appended to `left`, numbered from its previous end;
+/// nothing is appended if the sign of the whole is known, which is returned. `sign(piece)` is the known sign of a
+/// piece. `same(piece, piece)` tests whether two pieces are identical; of these, the one with the larger index counts
+/// as larger.
 template <class Sign, class Same>
 KnownSign prune(std::span<const PieceNode> nodes, std::vector<PieceNode>& left, Sign&& sign, Same&& same) {
   using Kind = PieceNode::Kind;
@@ -69,7 +70,7 @@ KnownSign prune(std::span<const PieceNode> nodes, std::vector<PieceNode>& left, 
     left.resize(before);
     return root.sign;
   }
-  // What the nodes on the way to a decision left behind goes, too.
+  // Removes nodes that a later decision made unreachable.
   std::vector<std::uint8_t> used(left.size() - before, 0);
   used[root.node] = 1;
   for (std::size_t k = root.node + 1; k-- > 0;)
@@ -88,32 +89,31 @@ KnownSign prune(std::span<const PieceNode> nodes, std::vector<PieceNode>& left, 
 }
 
 struct PieceBlockOptions {
-  /// Blocks of a curved piece are as small as triangles need to be that are so far off on average (length)...
+  /// Mean distance between a curved piece and its triangles that determines the block size (length)...
   double mesh_error = 0;
-  /// ... or exactly so large, if this is not 0 (length), and nothing gets smaller.
+  /// ... or, if not 0, the fixed block size (length), below which no block is divided.
   double cell = 0;
-  /// More blocks than this are an error.
+  /// Largest number of blocks; more are an error.
   std::size_t most_blocks = 0;
 };
 
-/// The blocks that the surface may pass through, in the order of the tree, which is balanced.
+/// Blocks that the surface may cross, in the order of the tree, which is balanced.
 struct PieceBlocks {
   struct Leaf {
     std::uint32_t block;
-    std::uint32_t first, count;  ///< of its nodes: what counts within the block
+    std::uint32_t first, count;  ///< range of its nodes: the part of the expression that matters in the block
   };
   BlockTree tree;
   std::vector<Leaf> leaves;
   std::vector<PieceNode> nodes;
   double scale = 0;  ///< edge of the root block
-  /// Edge of the smallest block that would have to be smaller, had it been allowed; 0: none.
+  /// Edge of the smallest block that should have been divided further but could not be; 0: none.
   double unresolved = 0;
-  bool too_many = false;  ///< there are more than allowed; nothing else is of use
+  bool too_many = false;  ///< more blocks than allowed; all other members are invalid
 };
 
-/// Cut as fine as needed, and no finer: where a piece bends within a block, and where two pieces come so close to each
-/// other that, as straight as they are between lattice vertices, they could touch where they do not, or the other way
-/// round. `shift` moves the blocks, 0..1: another try with other lattice points.
+/// Divides blocks where a piece curves within a block, and where two pieces, linear between lattice vertices, could
+/// touch although they do not, or vice versa. `shift` (0..1) moves the blocks, to retry with other lattice points.
 PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const PieceBlockOptions& options, double shift,
                          Progress& progress);
 

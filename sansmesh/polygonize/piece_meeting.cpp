@@ -10,10 +10,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostSteps = 12;
-constexpr double kConverged = 1e-10;  // last step, as a share of the reach
-constexpr double kResidual = 1e-4;    // distance from each piece, as a share of the reach: for fields that are noisy
-constexpr double kOffSurface = 1e-3;  // |F| as a share of the reach: then another piece cut the crease away
-constexpr double kStep = 0.01;        // how far from a point its surroundings are looked at, as a share of the reach
+constexpr double kConverged = 1e-10;  // last step over the reach
+constexpr double kResidual = 1e-4;    // distance from each piece over the reach; tolerates noisy fields
+constexpr double kOffSurface = 1e-3;  // |F| over the reach above which another piece has cut the crease away
+constexpr double kStep = 0.01;        // distance at which surroundings are probed, over the reach
 
 /// The shortest d with g[i] · d = r[i] for i < n; false if the g are not independent.
 bool shortest_step(const std::array<Vec3, 3>& g, const std::array<double, 3>& r, std::uint32_t n, Vec3& d) {
@@ -42,9 +42,9 @@ bool independent(const std::array<Vec3, 3>& n, std::uint32_t count) {
   return true;
 }
 
-/// Whether what was found is part of the zero set: the field vanishes there, and near a crease also a little farther
-/// along each of its two pieces, on one side; near a corner along creases that have all three pieces. (Where another
-/// piece cuts a crease away, or where a piece that takes no part happens to vanish, it does not.)
+/// Whether the result is part of the zero set. The field must vanish there; near a crease also slightly farther along
+/// each of its two pieces, on one side; near a corner also along creases of all three pieces. This fails where another
+/// piece cuts the crease away, or where a piece that takes no part happens to vanish.
 void check_surface(const PiecewiseField& field, std::span<Meeting> all) {
   std::vector<Vec3> x;
   std::vector<double> step;
@@ -77,7 +77,7 @@ void check_surface(const PiecewiseField& field, std::span<Meeting> all) {
     if (m.count == 1) continue;
     std::array<bool, 3> there{};
     for (std::size_t k = 0; k < (m.count == 2 ? 2u : 3u); ++k, q += 2) {
-      // A piece that leaves the surface does so at the angle between the pieces, at least.
+      // A piece that leaves the surface diverges at least at the angle between the pieces.
       const double angle = norm(cross(m.normal[k], m.normal[m.count == 2 ? 1 - k : (k + 1) % 3]));
       const double most = (m.count == 2 ? 0.3 * angle : 0.02) * step[q];
       there[k] = std::min(std::abs(f[q]), std::abs(f[q + 1])) <= most;
@@ -136,7 +136,7 @@ void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
     open.push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<PieceValue> queries;
-  std::vector<std::uint8_t> last(all.size(), 0);  // the step before was tiny: only the normals are still needed
+  std::vector<std::uint8_t> last(all.size(), 0);  // the last step was tiny: only the normals are still needed
   for (int step = 0; step <= kMostSteps && !open.empty(); ++step) {
     queries.clear();
     for (const std::uint32_t i : open)
@@ -163,8 +163,8 @@ void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
         continue;
       }
       m.x += length > m.reach ? d * (m.reach / length) : d;
-      if (norm(m.x - m.start) > 2 * m.reach) continue;  // on its way, it may leave the reach by a little
-      last[i] = length <= 1e-6 * m.reach;               // quadratic convergence: the next would be nothing
+      if (norm(m.x - m.start) > 2 * m.reach) continue;  // intermediate points may exceed the reach
+      last[i] = length <= 1e-6 * m.reach;               // quadratic convergence: the next step is negligible
       open[kept++] = i;
     }
     open.resize(kept);

@@ -1,4 +1,4 @@
-// Points where pieces of a field vanish together: on one piece of the surface, on a crease, in a corner.
+// Points where one, two or three pieces of a field vanish together: on a smooth part, a crease or a corner.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// A few pieces, in ascending order.
+/// A small set of pieces, in ascending order.
 struct PieceSet {
   static constexpr std::size_t kMost = 6;
   std::uint32_t count = 0;
@@ -23,7 +23,7 @@ struct PieceSet {
   const std::uint32_t* begin() const { return piece.data(); }
   const std::uint32_t* end() const { return piece.data() + count; }
   bool has(std::uint32_t p) const;
-  /// Whether it is in the set afterwards: not if there is no room.
+  /// Whether the piece is in the set afterwards; false if the set is full.
   bool add(std::uint32_t p);
 };
 
@@ -37,32 +37,32 @@ struct PieceValue {
   Vec3 gradient;
 };
 
-/// Fills in value and gradient of all, one call of the field for each piece among them.
+/// Computes value and gradient of all entries, with one call of the field per distinct piece.
 void evaluate_pieces(const PiecewiseField& field, std::span<PieceValue> all);
 
-/// The search for a point where one, two or three pieces vanish.
+/// Search for a point where one, two or three pieces vanish.
 struct Meeting {
-  // What is looked for:
+  // Input.
   Vec3 start;
-  double reach = 0;  ///< how far from `start` it may be
+  double reach = 0;  ///< largest accepted distance from `start`
   std::array<std::uint32_t, 3> piece{};
   std::uint32_t count = 0;
-  // What was found:
+  // Result.
   bool found = false;
   Vec3 x;
-  std::array<Vec3, 3> normal;  ///< unit normals of the pieces there
+  std::array<Vec3, 3> normal;  ///< unit normals of the pieces at x
 };
 
-/// Sine of the angle below which two pieces count as tangent to each other (2°): no crease is seen there, and none can
-/// be placed exactly.
+/// Sine of the angle below which two pieces count as tangent (2°): they form no crease, and none could be placed
+/// exactly.
 constexpr double kTangentSine = 0.035;
 
-/// Determinant of three unit normals from which they span space: no corner is placed where they span less.
+/// Smallest determinant of three unit normals that define a corner.
 constexpr double kFlatCorner = 0.02;
 
-/// Newton's method on all pieces of each at once, with steps of least length, so that the point found is about the one
-/// nearest to `start`. Not found: where the pieces are tangent (kTangentSine; three: their normals span less than
-/// kFlatCorner), where it would be out of reach, and where the field itself does not vanish.
+/// Newton's method on all pieces of each search at once, with minimum-norm steps, so that the result is approximately
+/// the point nearest to `start`. Not found: where pieces are tangent (kTangentSine; three pieces: kFlatCorner), beyond
+/// `reach`, and where the field itself does not vanish.
 void find_meetings(const PiecewiseField& field, std::span<Meeting> all);
 
 }  // namespace sansmesh::inline v1

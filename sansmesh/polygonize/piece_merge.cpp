@@ -13,27 +13,29 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The least shape of triangles, and where they lie in planes: regular grids of vertices offer nothing better on the
-/// way to a few large ones.
+/// Least triangle shape, in general and in planes, where regular grids of vertices offer nothing better on the way to a
+/// few large triangles.
 constexpr double kMergeLeastShape = 0.3, kMergeLeastShapeOfFlat = 0.1;
 constexpr double kMostTurn = 0.5;  ///< least cosine between a triangle and its piece
 constexpr double kRoomShare = 0.25;
 constexpr std::size_t kMostSpokes = 48;
 constexpr int kMostMergePasses = 40;
 constexpr std::size_t kWorthAPass = 5000;
-/// Vertices that are merged one after the other; far more than lie beside another region. Results depend on them.
+/// Number of vertices merged sequentially, far more than those adjacent to another region. Results depend on it.
 constexpr std::size_t kFewestOfRegion = 4096, kMostRegions = 64;
 
-/// The mesh as it becomes coarser. Vertices with successive numbers lie near each other: so many are a region.
+/// The mesh during coarsening. Vertices with successive indices are close to each other; each block of indices is a
+/// region.
 struct Merging {
   CutPieces& mesh;
   const std::vector<Vec3>& normal;
   const PieceMergeOptions& options;
   EditableSurface surface;
-  std::vector<std::uint32_t> into;                  ///< by vertex: the one that it was merged into, or itself
-  std::vector<std::uint8_t> touched, open, queued;  ///< by vertex: in this pass, worth another, for the next
+  std::vector<std::uint32_t> into;  ///< per vertex: the vertex that it was merged into, or itself
+  /// Per vertex: changed in this pass, to be visited in this pass, in the next.
+  std::vector<std::uint8_t> touched, open, queued;
   std::size_t region_size;
-  std::vector<std::vector<std::uint32_t>> now, next;  ///< by region: vertices of this pass and the next
+  std::vector<std::vector<std::uint32_t>> now, next;  ///< per region: vertices of this pass and the next
 
   Merging(CutPieces& cut, const std::vector<Vec3>& facing, const PieceMergeOptions& chosen)
       : mesh(cut),
@@ -54,14 +56,14 @@ struct Merging {
   std::size_t region_of(std::uint32_t v) const { return v / region_size; }
 };
 
-/// Merges vertices one after the other. What that reads and writes belongs to the vertex and its neighbours: where all
-/// those are in one region, another thread can be in the next.
+/// Merges vertices sequentially. A merge accesses only the vertex and its neighbours: if all are in one region, other
+/// threads can process other regions.
 struct Merger {
   static constexpr std::size_t kAnywhere = ~std::size_t{0};
 
   Merging& all;
   std::size_t region = kAnywhere;       ///< the only one that may change
-  std::vector<std::uint32_t> beside{};  ///< vertices with neighbours elsewhere, left alone
+  std::vector<std::uint32_t> beside{};  ///< vertices with neighbours in other regions, postponed
   std::size_t merged = 0;
 
   CutPieces& mesh = all.mesh;
@@ -111,13 +113,13 @@ struct Merger {
     });
   }
 
-  /// How far merging v into neighbour k would move triangles out of their planes.
+  /// Largest distance by which merging v into neighbour k moves triangles out of their planes.
   double leaves_planes(std::size_t k) const {
     double most = 0;
     for (std::size_t t = 0; t < n; ++t) {
       if (t == k || t == (k + n - 1) % n) continue;
       const double size = norm(area[t]), longest = std::max(squared_norm(spoke[t]), squared_norm(spoke[(t + 1) % n]));
-      // One without height has no plane: its piece says how it should lie.
+      // A triangle without height has no plane: use the normal of its piece.
       const double off =
           size > 1e-3 * longest ? std::abs(dot(area[t], spoke[k])) / size : std::abs(dot(facing[t], spoke[k]));
       most = std::max(most, off);
@@ -125,7 +127,7 @@ struct Merger {
     return most;
   }
 
-  /// The least shape of the triangles that are left; below −1 if one turns too far.
+  /// Least shape of the remaining triangles; below −1 if one turns too far.
   double shape_after(std::size_t k) const {
     double least = 1;
     for (std::size_t t = 0; t < n; ++t) {
@@ -155,7 +157,7 @@ struct Merger {
         break;
       }
       if (!on_all(v, tip[k])) continue;
-      // Along a crease, not across what lies between two parts of it.
+      // Merge along a crease, not across the region between two parts of it.
       if (vertex.rank() > 1 && mesh.piece[leaving[k] / 3] == mesh.piece[leaving[(k + n - 1) % n] / 3]) continue;
       const double off = leaves_planes(k);
       const double near_by = options.straight[v] ? options.rounding : room;
@@ -176,7 +178,7 @@ struct Merger {
     if (all.open[v] && !all.queued[v]) all.queued[v] = 1, all.next[all.region_of(v)].push_back(v);
   }
 
-  /// No two vertices that are merged in a pass are neighbours, so that all parts become coarser alike.
+  /// No two vertices merged in a pass are neighbours, so that all parts coarsen evenly.
   void pass(const std::vector<std::uint32_t>& vertices) {
     for (const std::uint32_t v : vertices) {
       check_cancelled();
@@ -200,7 +202,7 @@ struct Merger {
   }
 };
 
-/// All regions at once, then what lies between them, until hardly anything becomes coarser.
+/// All regions in parallel, then the vertices between them, until almost nothing changes.
 void run_passes(Merging& all) {
   std::size_t left = all.into.size();
   std::vector<Merger> mergers;

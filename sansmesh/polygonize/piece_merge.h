@@ -1,4 +1,4 @@
-// Fewer and better triangles for what was cut out of simplices.
+// Reduces and improves the triangles that piece_cut.h extracts.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 namespace sansmesh::inline v1 {
 
 struct PieceMergeOptions {
-  /// Vertices are merged into neighbours as near as this share of the edge of the blocks there...
+  /// Vertices collapse into neighbours closer than this fraction of the local block edge...
   double near = 0;
-  /// ... and into any where no triangle leaves its plane by more than this (length).
+  /// ... and into any neighbour if no triangle leaves its plane by more than this (length).
   double flat = 0;
-  /// Edges shorter than this are points (length).
+  /// Edges shorter than this are collapsed (length).
   double nothing = 0;
-  /// Which vertices are on flat pieces only: around those, triangles leave their planes by no more than this (length).
+  /// Marks vertices on flat pieces only: triangles around them leave their planes by at most `rounding` (length).
   std::vector<std::uint8_t> straight;
   double rounding = 0;
 };
 
-/// Merges vertices into neighbours that are on the same pieces at least: corners stay, creases remain creases.
-/// `normal`: where each triangle's piece points there; triangles that are folded against it count as bad ones, to be
-/// got rid of. No vertex goes where a triangle would leave its plane by more than a quarter of the room that is known.
-/// Drops the vertices that are not used any more, and keeps the topology. Returns what each vertex has become.
+/// Collapses vertices into neighbours that are on at least the same pieces: corners stay, creases remain creases.
+/// `normal` is the direction of each triangle's piece; triangles folded against it count as badly shaped. No collapse
+/// makes a triangle leave its plane by more than a quarter of the known room. Drops unused vertices and preserves the
+/// topology. Returns the new index of each vertex.
 std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options);
 
 }  // namespace sansmesh::inline v1

@@ -11,10 +11,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kReach = 0.5;      // how far a vertex may go back to its pieces, as a share of its shortest edge
+constexpr double kReach = 0.5;      // largest move of a vertex back to its pieces, over its shortest edge
 constexpr double kLeastTurn = 0.5;  // cosine between a triangle's normals before and after
 
-/// The three of the pieces whose normals at x span the most; fewer where they do not span space.
+/// Selects the three pieces whose normals at x span the largest volume; fewer where they do not span space.
 void choose_pieces(const PiecewiseField& field, const PieceSet& pieces, Meeting& m) {
   if (pieces.count <= 2) {
     m.count = pieces.count;
@@ -167,7 +167,7 @@ std::vector<Vec3f> piece_normals(const PiecewiseField& field, const PieceMesh& m
     }
   evaluate_pieces(field, queries);
   for (std::size_t i = 0; i < at.size(); ++i) sum[at[i]] += normalized(queries[i].gradient) * weight[i];
-  // What has no piece at all, or whose normals cancel, gets the mean of its triangles.
+  // Vertices without a piece, or with cancelling normals, use the mean of their triangles.
   const VertexCorners corners(mesh.triangles, mesh.x.size());
   std::vector<Vec3f> normals(mesh.x.size());
   parallel_for(0, normals.size(), 4096, [&](std::size_t v) {

@@ -1,5 +1,5 @@
-// Field → mesh: marching tetrahedra on the J₁ᴬ triangulation of a balanced block tree (METHODS §3.2), with the crossing
-// points clustered at lattice vertices so that triangles are few and well shaped.
+// Polygonization of scalar fields: marching tetrahedra on the J₁ᴬ triangulation of a balanced block tree (castelo2006),
+// with crossing points clustered at lattice vertices so that triangles are few and well shaped.
 #pragma once
 
 #include "sansmesh/polygonize/polygonize_options.h"
@@ -10,9 +10,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// The zero set of `field` inside the tree's cube, as a 2-manifold, closed unless there is a domain: where it leaves
-/// the cube, it is closed just inside the cube's faces. Vertex normals are the field's normalised gradients.
-/// Deterministic for any number of threads. `blocks` is balanced first. Positions are relative to `origin`.
+/// The zero set of `field` in the tree's cube as a 2-manifold, closed unless a domain is given: where it leaves the
+/// cube, it is closed just inside the cube's faces. Vertex normals are the field's normalised gradients. Deterministic
+/// for any number of threads. `blocks` is balanced first. Positions are relative to `origin`.
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress);
 

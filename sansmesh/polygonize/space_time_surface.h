@@ -1,6 +1,6 @@
-// Surfaces that move, from one triangulation of space and time: the zero set of a field in (x, y, z, t) is cut out of
-// the J₁ᴬ triangulation in four dimensions (castelo2006), where it consists of tetrahedra, and meshes at single moments
-// are cuts of these by t = const.
+// Moving surfaces from one triangulation of space and time. The zero set of a field in (x, y, z, t) is extracted from
+// the four-dimensional J₁ᴬ triangulation (castelo2006), where it consists of tetrahedra; meshes at single moments are
+// their sections at t = const.
 #pragma once
 
 #include <array>
@@ -15,12 +15,14 @@
 
 namespace sansmesh::inline v1 {
 
+class SpaceTimeLattice;
+
 struct SpaceTimeOptions {
   double cell = 0;  ///< edge of the smallest blocks (length); required
-  /// How long the smallest blocks last (time), made less so that a whole number fills the times of the field; required.
-  /// A surface that moves by `cell` meanwhile is followed well.
+  /// Duration of the smallest blocks (time), reduced so that a whole number of blocks fills the field's time interval;
+  /// required. A surface that moves by `cell` during this time is well resolved.
   double time_cell = 0;
-  /// Blocks in which the field is linear up to this (length) are not divided further. 0: all are that hold the surface.
+  /// Blocks in which the field is linear up to this (length) are not divided further. 0: all crossing blocks are.
   double mesh_error = 0;
 
   /// Throws ArgumentError naming the field.
@@ -30,39 +32,38 @@ struct SpaceTimeOptions {
 /// Tetrahedra in space and time.
 struct SpaceTimeMesh {
   std::vector<std::array<double, 4>> vertices;  ///< x, y, z (length) and t (time)
-  /// Of (c_1 − c_0, c_2 − c_0, c_3 − c_0, a vector to where the field is larger) the determinant is positive.
+  /// The determinant of (c_1 − c_0, c_2 − c_0, c_3 − c_0, direction of larger field values) is positive.
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;
 };
 
-/// The zero set of the continuous function that is linear on the simplices of the triangulation and has the values of
-/// the field at their vertices. Outside bounds() of the field nothing is inside: what leaves them is closed there.
+/// The zero set of the continuous function that is linear on the simplices and has the field's values at their
+/// vertices. Outside bounds() of the field all is outside: a surface that leaves the bounds is closed there.
 /// Deterministic for any number of threads.
 class SpaceTimeSurface {
  public:
-  /// Divides space and time. `field` must outlive this. Throws ArgumentError for bad options and if there would be more
-  /// than 16 million blocks or 13 levels.
+  /// Divides space and time. `field` must outlive this. Throws ArgumentError for bad options and for more than 16
+  /// million blocks or 13 levels.
   SpaceTimeSurface(const TimeField& field, const SpaceTimeOptions& options, Progress& progress);
   ~SpaceTimeSurface();
   SpaceTimeSurface(SpaceTimeSurface&&) noexcept;
   SpaceTimeSurface& operator=(SpaceTimeSurface&&) noexcept;
 
-  /// The surface at a moment, or at one of the lattice that is less than a 400th of `time_cell` away: a closed,
-  /// consistently oriented 2-manifold, or nothing where no part of it exists then. Its vertices move continuously with
-  /// t as long as they exist: each lies in a triangle of lattice vertices of which two stay on either side of t.
-  /// Positions are relative to `origin`. Throws ArgumentError outside times() of the field.
+  /// The surface at a moment, or at a lattice moment less than a 400th of `time_cell` away: a closed, consistently
+  /// oriented 2-manifold, or empty where no surface exists. Its vertices move continuously with t as long as they
+  /// exist: each is in a triangle of lattice vertices of which two stay on either side of t. Positions are relative to
+  /// `origin`. Throws ArgumentError outside times() of the field.
   TriangleMesh slice(double t, const Vec3& origin = {}) const;
 
-  /// All of it: a 3-manifold whose boundary lies at the first and the last moment. Large: some hundred tetrahedra a
+  /// The whole surface: a 3-manifold whose boundary is at the first and the last moment. Some hundred tetrahedra per
   /// block.
   SpaceTimeMesh mesh() const;
 
   std::size_t blocks() const;  ///< leaves of the tree
-  double cell() const;         ///< edge of the smallest ones (length)
-  double time_cell() const;    ///< how long these last
+  double cell() const;         ///< edge of the smallest blocks (length)
+  double time_cell() const;    ///< duration of the smallest blocks
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<SpaceTimeLattice> lattice_;
 };
 
 }  // namespace sansmesh::inline v1

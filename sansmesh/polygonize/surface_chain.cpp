@@ -45,9 +45,9 @@ std::uint32_t place_in(const std::vector<std::uint64_t>& names, const ChainVerte
   return static_cast<std::uint32_t>(std::lower_bound(names.begin(), names.end(), name_of(v)) - names.begin());
 }
 
-/// Gives every name used a number: merged lattice vertices first (ascending), then crossing points (ascending).
+/// Numbers all used names: merged lattice vertices first (ascending), then crossing points (ascending).
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
-  if (named.size() > kMostTriangles) throw DataError("the mesh would have more triangles than can be counted");
+  if (named.size() > kMostTriangles) throw DataError("the mesh would have too many triangles for 32-bit indices");
   SurfaceChain chain;
   std::vector<std::uint32_t> of_lattice(lattice_vertices, kNoEntry);
   const std::vector<std::uint64_t> edges = sorted_names(named, [](const ChainVertex& v) { return v.a != v.b; });
@@ -72,7 +72,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
   return chain;
 }
 
-/// The same for a few triangles, without looking at all of the lattice; vertices in the order of their names.
+/// As above for a few triangles, without iterating over the lattice; vertices in the order of their names.
 SurfaceChain number_few_vertices(const std::vector<ChainTriangle>& named) {
   SurfaceChain chain;
   const std::vector<std::uint64_t> names = sorted_names(named, [](const ChainVertex&) { return true; });
@@ -84,7 +84,7 @@ SurfaceChain number_few_vertices(const std::vector<ChainTriangle>& named) {
   return chain;
 }
 
-/// Removes pairs of triangles on the same three vertices with opposite orientation.
+/// Removes pairs of triangles with the same three vertices and opposite orientation.
 void cancel_opposite(SurfaceChain& chain) {
   const VertexCorners c(chain.triangles, chain.vertices.size());
   std::vector<std::uint8_t> gone(chain.triangles.size(), 0);
@@ -97,7 +97,8 @@ void cancel_opposite(SurfaceChain& chain) {
       for (std::uint32_t j = i + 1; j < c.first[v + 1]; ++j) {
         const std::uint32_t tj = c.corner[j] / 3, kj = c.corner[j] % 3;
         const Triangle& b = chain.triangles[tj];
-        if (b[(kj + 1) % 3] != q || b[(kj + 2) % 3] != p || gone[tj]) continue;  // gone only of this vertex's own
+        if (b[(kj + 1) % 3] != q || b[(kj + 2) % 3] != p || gone[tj])
+          continue;  // `gone` can only be set by this vertex
         gone[ti] = gone[tj] = 1;
         break;
       }
@@ -109,14 +110,13 @@ void cancel_opposite(SurfaceChain& chain) {
   chain.triangles.resize(kept);
 }
 
-/// What fans_of finds, and its working space: a vertex has few triangles, so that plain arrays and all pairs are the
-/// quickest.
+/// Result and workspace of fans_of. A vertex has few triangles, so plain arrays and all pairs are fastest.
 struct Fans {
   std::vector<std::uint32_t> link;  ///< fan of each corner of the vertex
   std::vector<std::uint32_t> out, back;
 };
 
-/// The fans around a vertex. Returns their number, or 0 if an edge of the vertex has more than two triangles.
+/// Finds the fans around a vertex. Returns their number, or 0 if an edge of the vertex has more than two triangles.
 int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fans& fans) {
   const std::uint32_t first = c.first[v], n = c.first[v + 1] - first;
   auto& [link, out, back] = fans;
@@ -143,7 +143,7 @@ int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fa
     }
     ++count;
   }
-  // A border starts in the middle of its chain: join chains that continue each other.
+  // A border may start in the middle of a chain: join chains that continue each other.
   while (border) {
     border = false;
     for (std::uint32_t i = 0; i < n; ++i)
@@ -162,7 +162,7 @@ int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fa
   return count;
 }
 
-/// How many fans each vertex has, 1 at least; 0: an edge of the vertex has more than two triangles.
+/// Number of fans per vertex, at least 1; 0: an edge of the vertex has more than two triangles.
 std::vector<std::uint8_t> count_fans(const SurfaceChain& chain, const VertexCorners& c) {
   std::vector<std::uint8_t> count(chain.vertices.size(), 1);
   parallel_ranges(0, count.size(), 4096, [&](std::size_t first, std::size_t last) {
@@ -173,8 +173,8 @@ std::vector<std::uint8_t> count_fans(const SurfaceChain& chain, const VertexCorn
   return count;
 }
 
-/// Undoes the merges that glue sheets along edges, at vertices that `complete` says have all of their triangles.
-/// Returns the lattice vertices that are no longer merged.
+/// Undoes the merges that glue sheets along edges, at vertices for which `complete` is true: all of their triangles are
+/// present. Returns the lattice vertices that are no longer merged.
 template <class Complete>
 std::vector<std::uint32_t> undo_merges(const SurfaceChain& chain, const VertexCorners& c,
                                        const std::vector<std::uint8_t>& fans, const Complete& complete,
@@ -189,7 +189,7 @@ std::vector<std::uint32_t> undo_merges(const SurfaceChain& chain, const VertexCo
     if (name.a == name.b) {
       undo(name.a);
     } else {
-      // A crossing point that is glued to a merged neighbour: undo the merges around it.
+      // A crossing point glued to a merged neighbour: undo the merges around it.
       for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i)
         for (const std::uint32_t o : chain.triangles[c.corner[i] / 3])
           if (const ChainVertex other = chain.vertices[o]; other.a == other.b) undo(other.a);
@@ -198,11 +198,11 @@ std::vector<std::uint32_t> undo_merges(const SurfaceChain& chain, const VertexCo
   return undone;
 }
 
-/// Goes on undoing merges around those that have been undone, until there are none left to undo. Returns the rounds.
+/// Repeats undoing merges around those already undone, until none is left. Returns the number of rounds.
 int settle_around(const ChainSource& source, std::vector<std::uint32_t> undone, ChainSource::Flags& merged) {
   int rounds = 0;
   for (; !undone.empty(); ++rounds) {
-    // Only vertices in a block with one that was undone can have got other triangles.
+    // Only vertices in a block with an undone one can have changed triangles.
     ChainSource::Flags near(merged.size(), 0);
     for (const std::uint32_t v : undone) near[v] = 1;
     source.widen(near);
@@ -215,7 +215,7 @@ int settle_around(const ChainSource& source, std::vector<std::uint32_t> undone, 
   return rounds;
 }
 
-/// Sheets that touch in a vertex get one each; unused names go.
+/// Doubles vertices at which sheets touch; drops unused names.
 void separate_sheets(SurfaceChain& chain, const VertexCorners& c, const std::vector<std::uint8_t>& fans) {
   Fans found;
   const std::vector<std::uint32_t>& link = found.link;

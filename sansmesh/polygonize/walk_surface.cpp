@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -10,6 +9,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/polygonize/marched_simplex.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 #include "sansmesh/triangulation/j1a.h"
 
@@ -37,8 +37,7 @@ bool on_cube_face(const LatticeVertex<3>& v) {
 /// Six times the signed volume.
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(b - a, cross(c - a, d - a)); }
 
-/// The level whose blocks say how far the i-th vertex of a simplex may move: that of its block, and one more on a
-/// refined face.
+/// The level that limits the move of the i-th vertex of a simplex: that of its block, one more on a refined face.
 int level_of(const Tuple& s, int i) { return s.level + (s.steps < 3 && i >= s.steps ? 1 : 0); }
 
 class SurfaceWalk {
@@ -48,7 +47,7 @@ class SurfaceWalk {
     tree_.balance();
   }
 
-  /// Finds the crossing simplices, and their vertices with the values there.
+  /// Finds the crossing simplices, their vertices and the values there.
   void walk(const std::vector<Vec3>& seeds, Progress& progress, WalkReport& r) {
     std::vector<Tuple> starts;
     starts.reserve(seeds.size());
@@ -79,7 +78,7 @@ class SurfaceWalk {
     }
   }
 
-  /// METHODS §3.3.
+  /// Displacement of tejada2008, 4.4.3 (WalkOptions::displacement).
   void displace(double alpha, WalkReport& r) {
     const std::size_t n = points_.size();
     std::vector<std::int8_t> level(n, -1);
@@ -151,7 +150,7 @@ class SurfaceWalk {
   }
 
  private:
-  /// On the cube's faces it is positive, which closes the mesh.
+  /// Values are positive on the cube's faces, which closes the mesh.
   void evaluate_from(std::size_t first) {
     places_.resize(points_.size());
     values_.resize(points_.size());
@@ -162,8 +161,8 @@ class SurfaceWalk {
     });
   }
 
-  /// Vertices whose moves would turn a crossing simplex over stay, and so do the others of that simplex. The mesh is a
-  /// manifold all the same, since that rests on signs alone, but it would fold.
+  /// Keeps vertices in place whose moves would invert a crossing simplex, and the other vertices of that simplex. The
+  /// mesh would remain a manifold, which depends on signs alone, but it would fold.
   void hold_turned(const std::vector<Vec3>& target, std::vector<std::uint8_t>& moves, WalkReport& r) const {
     for (bool changed = true; changed;) {
       changed = false;
@@ -183,56 +182,26 @@ class SurfaceWalk {
     }
   }
 
-  /// The triangles of one simplex, facing where the field is positive.
+  /// Triangles of one simplex, with normals towards positive values.
   template <class Crossing>
   void march(std::size_t n, const Crossing& crossing, std::vector<Triangle>& out) const {
     Corners v = corners_[n];
     if (orientation(simplices_[n]) < 0) std::swap(v[2], v[3]);
-    // Even permutations bring the vertices inside to the front.
     unsigned mask = 0;
     for (unsigned i = 0; i < 4; ++i) mask |= (values_[v[i]] < 0 ? 1u : 0u) << i;
-    static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {1, 0, 3, 2},
-                                                                         {0, 1, 2, 3},
-                                                                         {2, 0, 1, 3},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 2, 0, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {3, 0, 2, 1},
-                                                                         {0, 3, 1, 2},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 3, 1, 2},
-                                                                         {2, 3, 0, 1},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 1, 2, 3}}};
-    const auto& o = kOrder[mask];
-    const std::uint32_t a = v[o[0]], b = v[o[1]], c = v[o[2]], d = v[o[3]];
-    switch (std::popcount(mask)) {
-      case 1:
-        out.push_back({crossing(a, b), crossing(a, c), crossing(a, d)});
-        break;
-      case 2: {
-        const std::uint32_t p = crossing(a, c), q = crossing(a, d), s = crossing(b, d), t = crossing(b, c);
-        out.push_back({p, q, s});
-        out.push_back({p, s, t});
-        break;
-      }
-      case 3:
-        out.push_back({crossing(a, d), crossing(b, d), crossing(c, d)});
-        break;
-      default:
-        break;
-    }
+    march_simplex(
+        mask, [&](std::size_t i, std::size_t j) { return crossing(v[i], v[j]); },
+        [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+          out.push_back({p, q, r});
+        });
   }
 
   const ScalarField& field_;
   BlockTree tree_;
   BlockTreeView view_;
   Vec3 origin_;
-  std::vector<Tuple> simplices_;  ///< that cross
-  std::vector<Corners> corners_;  ///< of each
+  std::vector<Tuple> simplices_;  ///< crossing simplices
+  std::vector<Corners> corners_;  ///< corners of each simplex
   std::vector<LatticeVertex<3>> points_;
   std::vector<Vec3> places_;
   std::vector<double> values_;

@@ -15,7 +15,7 @@ std::string shown(double v) { return fmt::format("{:.12g}", v); }
 
 std::string joined(std::span<const std::string_view> words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
-/// The range as the end of "must be …".
+/// Range as the end of "must be …".
 std::string allowed_words(const OptionRange& r) {
   if (std::isinf(r.most) && std::isinf(r.least)) return "finite";
   if (std::isinf(r.most)) return r.above ? "above " + shown(r.least) : "at least " + shown(r.least);
@@ -71,7 +71,7 @@ ArgumentError no_choice(const OptionRow& row, std::string value) {
                                      .remedy = {}});
 }
 
-/// As the field is set: words of a choice become its enumerator.
+/// Value as the field stores it: words of a choice become enumerators.
 OptionValue checked(const OptionRow& row, const OptionValue& value) {
   switch (row.kind) {
     case OptionKind::flag:
@@ -119,7 +119,7 @@ OptionValue checked(const OptionRow& row, const OptionValue& value) {
   throw wrong_kind(row, value);
 }
 
-/// Calls `use` for every row with the struct that it is a field of, and the same field's of a default-constructed one.
+/// Calls `use` for every row with the struct that owns the field and the same struct with default values.
 void for_each_pair(std::span<const OptionRow> rows, void* options, void* usual,
                    const std::function<void(const OptionRow&, void*, void*)>& use) {
   for (const OptionRow& row : rows)
@@ -151,7 +151,7 @@ void for_each_option(const OptionSchema& schema, void* options,
 
 void for_each_option(const OptionSchema& schema, const void* options,
                      const std::function<void(const OptionRow& row, const void* owner)>& use) {
-  // Parts are found in the same way whether they are to be changed or not.
+  // Parts are found the same way for constant and mutable structs.
   for_each_option(schema, const_cast<void*>(options), [&](const OptionRow& row, void* owner) { use(row, owner); });
 }
 
@@ -173,7 +173,7 @@ void set_option(const OptionRow& row, void* owner, const OptionValue& value) {
   try {
     row.set(owner, checked(row, value));
   } catch (const ArgumentError& error) {
-    // Types with words of their own do not know which option they are.
+    // Conversions from text do not know the name of the option.
     ArgumentFault fault = error.fault();
     if (!fault.field.empty() || fault.allowed.empty()) throw;
     fault.field = row.name;
@@ -199,7 +199,7 @@ void validate_options(const OptionSchema& schema, const void* options, const voi
   const auto is_set = [&](std::string_view name) { return std::find(set.begin(), set.end(), name) != set.end(); };
   for_each_option(schema, options, [&](const OptionRow& row, const void* owner) {
     const OptionValue value = option_value(row, owner);
-    // A value that nobody set needs no check: it may be one that stands for "none".
+    // Values that are not set need no check: a default may mean "none".
     if (!is_set(row.name) || std::holds_alternative<std::monostate>(value)) return;
     checked(row, value);
     if (!row.needs.empty() && !is_set(row.needs))

@@ -6,13 +6,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Names of options, with blanks between them.
+/// Names of options, separated by blanks.
 struct OptionsOfJob {
   std::string_view job, options;
 };
 
-/// Options that people use first, of jobs that have more than twenty besides those of views. Of the others all are
-/// shown.
+/// Basic options of jobs with more than twenty options besides view options. Other jobs show all.
 constexpr OptionsOfJob kFirst[] = {
     {"reconstruct",
      "output preview class components open closed fill-holes trim faces normals orient-by align mesh-error triangles "
@@ -61,7 +60,7 @@ constexpr OptionsOfJob kFirst[] = {
      "output seeds kind particles duration length unsteady array color-by no-streaks streak-length opacity arrows "
      "frames turn volume-array preset iso mesh background"}};
 
-/// Options that choose among variants of the sources, for those who compare with them.
+/// Options that select variants of the published methods, for comparisons.
 constexpr std::string_view kOfProjections = "normal reference-plane polynomial flow diffusion diffusion-threshold tau";
 constexpr std::string_view kOfReconstructions = "spherical no-spherical robust no-robust b c";
 constexpr OptionsOfJob kOfSources[] = {

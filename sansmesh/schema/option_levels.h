@@ -1,5 +1,5 @@
-// Levels of options, which belong to a job and an option: what people use first, what is advanced, and variants of the
-// sources beside ours. Doors show options by them.
+// Levels of options per job: basic ones, advanced ones, and variants of the published methods. User interfaces show
+// options by level.
 #pragma once
 
 #include <string_view>
@@ -7,12 +7,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Options that people use first, "mesh-error", of a job by its name ("volume fit"), twenty at most, those of files
-/// among them; empty where all are.
+/// Basic options ("mesh-error") of a job by its name ("volume fit"): at most twenty, file options included. Empty if
+/// all options are basic.
 std::vector<std::string_view> basic_options(std::string_view job);
 
-/// Options that choose among variants of the sources, for those who compare with them. `has_surface`: the job lets a
-/// surface of samples be chosen.
+/// Options that select variants of the published methods, for comparisons. `has_surface`: the job has an option for the
+/// surface of samples.
 std::vector<std::string_view> source_options(std::string_view job, bool has_surface);
 
 }  // namespace sansmesh::inline v1

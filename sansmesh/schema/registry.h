@@ -1,4 +1,4 @@
-// Methods by name: those of the library, and those that programs add.
+// Registry of methods by name: methods of the library and methods added by programs.
 #pragma once
 
 #include <deque>
@@ -13,32 +13,34 @@
 
 namespace sansmesh::inline v1 {
 
-/// Entries of one kind, each with its `name`. They stay where they are for as long as the program runs. Safe to use
-/// from several threads.
+/// Entries of one kind, each with a `name`. Entries keep their addresses until the program ends. Thread-safe.
 template <class Entry>
 class Registry {
  public:
-  /// `kind` names one in messages: "surface". `own` are those of the library, in the order in which they are listed.
+  /// `kind` names an entry in messages: "surface". `own` are the library's entries in display order.
   Registry(std::string_view kind, const std::vector<std::span<const Entry>>& own) : kind_(kind) {
     for (const auto& some : own)
       for (const Entry& entry : some) add(entry);
   }
 
-  /// Throws ArgumentError for a name that is taken, or none.
+  /// Throws ArgumentError for a missing or taken name, and for an entry whose function `make` is null.
   void add(Entry entry) {
     const std::lock_guard lock(mutex_);
     if (entry.name.empty()) throw ArgumentError("a " + kind_ + " needs a name");
-    if (found(entry.name)) throw ArgumentError("there is a " + kind_ + " " + std::string(entry.name) + " already");
+    if (found(entry.name)) throw ArgumentError("a " + kind_ + " named " + std::string(entry.name) + " already exists");
+    if constexpr (requires { entry.make == nullptr; })
+      if (entry.make == nullptr)
+        throw ArgumentError("the " + kind_ + " " + std::string(entry.name) + " lacks a function that makes it");
     entries_.push_back(std::move(entry));
   }
 
-  /// Null for a name that is none.
+  /// Returns null for an unknown name.
   const Entry* find(std::string_view name) const {
     const std::lock_guard lock(mutex_);
     return found(name);
   }
 
-  /// Throws ArgumentError, which lists the names.
+  /// Throws ArgumentError with the list of known names for an unknown name.
   const Entry& at(std::string_view name) const {
     if (const Entry* const entry = find(name)) return *entry;
     throw ArgumentError("unknown " + kind_ + " '" + printable(name, 40) + "': known are " + names());
@@ -71,7 +73,7 @@ class Registry {
   mutable std::mutex mutex_;
 };
 
-/// Adds an entry when a program starts: `static const Registered<SurfaceMethod> plane({.name = "plane", …});`
+/// Adds an entry at program start: `static const Registered<SurfaceMethod> plane({.name = "plane", …});`
 template <class Entry>
 struct Registered {
   explicit Registered(Entry entry) { Entry::registry().add(std::move(entry)); }

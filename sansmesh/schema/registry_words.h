@@ -11,8 +11,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// For fields that are one of some names which are known when the program runs: `option<&Options::method,
-/// ListedWords<names>>`, whose `choices` are names().
+/// For fields whose words are known only at run time: `option<&Options::method, ListedWords<names>>`, whose `choices`
+/// are names().
 template <const std::vector<std::string_view>& (*list)()>
 struct ListedWords {
   static constexpr auto kind = OptionKind::choice;
@@ -21,14 +21,14 @@ struct ListedWords {
   static OptionValue get(const std::string& name) {
     for (std::size_t i = 0; i < names().size(); ++i)
       if (names()[i] == name) return static_cast<std::int64_t>(i);
-    return name;  // none of them: see option_value
+    return name;  // unknown name: see option_value
   }
   static std::string from(const OptionValue& value) {
     return std::string(names().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
   }
 };
 
-/// Names of a registry. Programs add entries before options are asked for.
+/// Names of a registry. Programs must add entries before options are read.
 template <class Entry>
 const std::vector<std::string_view>& registry_names() {
   static const std::vector<std::string_view> list = [] {
@@ -38,7 +38,7 @@ const std::vector<std::string_view>& registry_names() {
   }();
   return list;
 }
-/// Each name with what it is, of entries that have a `summary`: "euler (first order), rk4 (fourth order)".
+/// Names with summaries, for entries that have a `summary`: "euler (first order), rk4 (fourth order)".
 template <class Entry>
 std::string registry_summaries() {
   std::string text;

@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/search/ball_tree.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/search/ball_tree.h"
@@ -70,7 +70,7 @@ BallTree::BallTree(std::span<const Vec3f> centers, std::span<const float> radii)
       const Vec3f p = used ? centers[i] : Vec3f{};
       leaves_[l].x[c] = p.x, leaves_[l].y[c] = p.y, leaves_[l].z[c] = p.z;
       if (!used) continue;
-      // Rounded outward: no ball may stick out of its box.
+      // Rounds outward: no ball may extend beyond its box.
       const float r = radii[i] * (1 + 1e-6f);
       for (std::size_t k = 0; k < 3; ++k) {
         const float slack = r + 1e-6f * std::abs(p[k]);

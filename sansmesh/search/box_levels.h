@@ -1,4 +1,4 @@
-// What all trees here are: eight wide, made of runs of eight, and flat arrays level upon level.
+// Eight-wide trees over runs of eight items, stored as one flat array per level.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace sansmesh::inline v1 {
 
-constexpr std::size_t kTreeWidth = 8;  ///< children a node
+constexpr std::size_t kTreeWidth = 8;  ///< children per node
 
-/// The levels over `items`, from below: node n of level 0 stands for items 8n .. 8n+7, node n of level l for nodes
-/// 8n .. 8n+7 of level l − 1; the last level has one node. No items have no levels. Items that are neighbours in the
-/// list should be so in space. `make(siblings, level, node)` fills a node that stands for one to eight siblings and
-/// returns what stands for it among the siblings of the level above. It is called in parallel.
+/// Builds the levels over `items` from the bottom: node n of level 0 covers items 8n .. 8n+7, node n of level l covers
+/// nodes 8n .. 8n+7 of level l − 1, and the last level has one node. No levels if there are no items. Neighbours in the
+/// list should be neighbours in space. `make(siblings, level, node)` fills a node over one to eight siblings and
+/// returns the item that represents it in the level above. It is called in parallel.
 template <class Node, class Item, class Make>
 std::vector<std::vector<Node>> eight_wide_levels(std::vector<Item> items, const Make& make) {
   std::vector<std::vector<Node>> levels;
@@ -35,14 +35,14 @@ std::vector<std::vector<Node>> eight_wide_levels(std::vector<Item> items, const 
   return levels;
 }
 
-/// Boxes of up to eight children side by side; unused lanes are empty boxes, infinitely far from anything.
+/// Boxes of up to eight children; unused lanes are empty boxes, infinitely far from every point.
 struct alignas(64) BoxNode {
   float lower[3][kTreeWidth], upper[3][kTreeWidth];
 };
 
 using BoxLevels = std::vector<std::vector<BoxNode>>;
 
-/// Each lane of level 0 is one of the boxes, each lane above the box of all that lies below.
+/// Each lane of level 0 is one of the boxes; each lane above is the bounding box of its subtree.
 BoxLevels box_levels(std::vector<Box3f> boxes);
 
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,4 @@
-// Eight boxes against a point or a box: what the queries of all trees begin with. Included once for each instruction
-// set.
+// Tests of eight boxes against a point or a box, the first step of all tree queries. Included once per instruction set.
 #if defined(SANSMESH_SEARCH_BOX_NODE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_SEARCH_BOX_NODE_INL_H_
 #undef SANSMESH_SEARCH_BOX_NODE_INL_H_
@@ -23,24 +22,24 @@ using Tag = hn::CappedTag<float, kTreeWidth>;
 using V = hn::Vec<Tag>;
 constexpr std::size_t kLanes = hn::MaxLanes(Tag());
 
-/// The set of lanes in `mask`, whose first one is the child `at`.
+/// Bit set of the lanes in `mask`; the first lane is child `at`.
 HWY_INLINE std::uint32_t Bits(const hn::Mask<Tag>& mask, std::size_t at) {
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(Tag(), mask, bits);
   return static_cast<std::uint32_t>(bits[0] & ((1u << kLanes) - 1)) << at;
 }
 
-/// How far numbers are outside of intervals; 0 within.
+/// Distances of numbers from intervals; 0 inside.
 HWY_INLINE V Gap(const V& lower, const V& upper, const V& from, const V& to) {
   return hn::Max(hn::Max(hn::Sub(lower, to), hn::Sub(from, upper)), hn::Zero(Tag()));
 }
 
-/// x² + y² + z² as squared_distance has it: no fused multiply-add, the last bit is promised.
+/// x² + y² + z² with the operations of squared_distance: no fused multiply-add, so that results are bit-identical.
 HWY_INLINE V SquaredLength(const V& x, const V& y, const V& z) {
   return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
 }
 
-/// The children whose boxes meet `box`.
+/// Children whose boxes overlap `box`.
 HWY_INLINE std::uint32_t Overlapping(const BoxNode& node, const Box3f& box) {
   const Tag d;
   std::uint32_t hits = 0;
@@ -55,7 +54,7 @@ HWY_INLINE std::uint32_t Overlapping(const BoxNode& node, const Box3f& box) {
   return hits;
 }
 
-/// The children whose boxes are not farther from q than the root of `limit`, and the squared distances of all.
+/// Children whose boxes are within the root of `limit` of q; writes the squared distances of all children.
 HWY_INLINE std::uint32_t Within(const BoxNode& node, const Vec3f& q, float limit, float* HWY_RESTRICT distances) {
   const Tag d;
   const V worst = hn::Set(d, limit), x = hn::Set(d, q.x), y = hn::Set(d, q.y), z = hn::Set(d, q.z);
@@ -71,8 +70,8 @@ HWY_INLINE std::uint32_t Within(const BoxNode& node, const Vec3f& q, float limit
   return hits;
 }
 
-/// Calls leaf(item) for the items under a node of a level whose boxes meet `box`, in ascending order, until it returns
-/// false. Whether it never did.
+/// Calls leaf(item) in ascending order for the items below a node whose boxes overlap `box`, until it returns false.
+/// Returns whether it never did.
 template <class Leaf>
 bool ForEachOverlapping(const BoxLevels& levels, std::size_t level, std::size_t node, const Box3f& box,
                         const Leaf& leaf) {

@@ -1,4 +1,4 @@
-// The obvious neighbour search, O(n) per query: what the fast one is tested against.
+// Brute-force neighbour search, O(n) per query: the reference for tests of KdTree.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Same interface and same answers as KdTree. Keeps a view: `points` must outlive it.
+/// Has the interface and results of KdTree. Keeps a view: `points` must outlive it.
 class BruteForce {
  public:
   explicit BruteForce(std::span<const Vec3f> points) : points_(points) {}

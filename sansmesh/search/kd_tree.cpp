@@ -33,7 +33,7 @@ int widest_axis(std::span<const Item> items) {
   return axis;
 }
 
-// Coordinates first, index to break ties: the halves do not depend on how the selection works.
+// Compares coordinates, then indices, so that the halves do not depend on the selection algorithm.
 template <int kAxis>
 void split_along(std::span<Item> items, std::size_t middle) {
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
@@ -42,7 +42,7 @@ void split_along(std::span<Item> items, std::size_t middle) {
                    });
 }
 
-// Sorts items so that any aligned run of 8^l leaves is one region of space: the splits stand at powers of two leaves.
+// Sorts items so that any aligned run of 8^l leaves is one region of space: splits are at powers of two leaves.
 void arrange(std::span<Item> items) {
   while (items.size() > kLeaf) {
     const std::size_t leaf_count = (items.size() + kLeaf - 1) / kLeaf;

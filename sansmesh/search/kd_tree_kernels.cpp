@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/search/kd_tree_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 constexpr std::size_t kLeaf = kTreeWidth;
 
-// Squared distances of q to the points of a leaf, and the set of those <= limit. Rounding is monotone and the
-// operations are those for boxes, so no point in a box is ever nearer than its box, not even in the last bit.
+// Squared distances of q to the points of a leaf; returns the set of those <= limit. Rounding is monotone and the
+// operations equal those for boxes, so no point is nearer than its box, not even in the last bit.
 HWY_INLINE std::uint32_t LeafDistances(const KdTreeLeaf& leaf, const Vec3f& q, float limit, float* distances) {
   const Tag d;
   const V worst = hn::Set(d, limit);
@@ -33,7 +33,7 @@ HWY_INLINE std::uint32_t LeafDistances(const KdTreeLeaf& leaf, const Vec3f& q, f
   return hits;
 }
 
-// The children in `hits`, nearest first; returns how many.
+// Sorts the children in `hits`, nearest first; returns their number.
 HWY_INLINE std::size_t SortHits(std::uint32_t hits, const float* distances, std::uint64_t* sorted) {
   std::size_t n = 0;
   for (; hits; hits &= hits - 1) {
@@ -46,11 +46,11 @@ HWY_INLINE std::size_t SortHits(std::uint32_t hits, const float* distances, std:
   return n;
 }
 
-constexpr std::size_t kManyNeighbours = 48;  ///< from here on a search and a block move beat step by step insertion
+constexpr std::size_t kManyNeighbours = 48;  ///< from here on, a search and a block move are fastest
 
 HWY_INLINE float DistanceOf(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
 
-// Finds the smallest keys. kSlots: the lower half of a key is the slot, else the caller's index.
+// Finds the smallest keys. kSlots: the lower half of a key is the slot, otherwise the caller's index.
 template <bool kSlots>
 class Search {
  public:
@@ -80,8 +80,8 @@ class Search {
     for (std::size_t i = 0; i < n; ++i) {
       if (!(DistanceOf(sorted[i]) <= DistanceOf(keys_[last_]))) break;
       const std::size_t child = node * kLeaf + (sorted[i] & 7);
-      // Of equal distance lower slots win, and a child has none below its first: heaps of points at one place are not
-      // searched for more of the same.
+      // At equal distance lower slots win, and a child contains no slot below its first: this bounds the search among
+      // many coincident points.
       if (kSlots && ((sorted[i] >> 32 << 32) | child << (3 * (level + 1))) >= keys_[last_]) break;
       if (level == 0)
         Leaf(child);

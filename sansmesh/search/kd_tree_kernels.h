@@ -1,4 +1,4 @@
-// What KdTree is made of, and its queries on the bare arrays: compiled for every instruction set, chosen at run time.
+// Nodes of KdTree, and its queries on plain arrays: compiled for every instruction set, selected at run time.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,26 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// A leaf of up to eight points; unused lanes are infinitely far away.
+/// Leaf of up to eight points; unused lanes are infinitely far away.
 struct alignas(64) KdTreeLeaf {
   float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth];
-  std::uint32_t index[kTreeWidth];  ///< the caller's
+  std::uint32_t index[kTreeWidth];  ///< the caller's index
 };
 
 struct KdTreeView {
   const KdTreeLeaf* leaves;
-  const BoxLevels& levels;  ///< over the leaves
+  const BoxLevels& levels;  ///< levels over the leaves
 };
 
-/// Distance bits in the upper half, index in the lower: ordered like Neighbour, since no distance is negative.
+/// Distance bits in the upper half, index in the lower: ordered like Neighbour, since distances are not negative.
 using NeighbourKey = std::uint64_t;
-constexpr NeighbourKey kNoNeighbour = (NeighbourKey{0x7f7fffffu} << 32) | 0xffffffffu;  // FLT_MAX away
+constexpr NeighbourKey kNoNeighbour = (NeighbourKey{0x7f7fffffu} << 32) | 0xffffffffu;  // distance FLT_MAX
 
-/// Leaves the keys.size() smallest keys (caller's indices) in ascending order; kNoNeighbour where there are fewer.
+/// Writes the keys.size() smallest keys (caller's indices) in ascending order; kNoNeighbour if there are fewer.
 void nearest_keys(const KdTreeView& tree, const Vec3f& q, std::span<NeighbourKey> keys);
-/// The same for the point in `slot`, with slots as indices, from its leaf upwards.
+/// Same, for the point in `slot`, with slots as indices; starts at its leaf and goes upwards.
 void nearest_keys_of_slot(const KdTreeView& tree, std::uint32_t slot, std::span<NeighbourKey> keys);
-/// Appends everything with squared distance <= r2.
+/// Appends all points with squared distance <= r2.
 void append_within(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<Neighbour>& out);
 std::size_t count_within(const KdTreeView& tree, const Vec3f& q, float r2);
 

@@ -1,4 +1,4 @@
-// What queries for neighbours answer, and the one way to compute a distance.
+// Results of neighbour queries, and the common distance function.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// One answer of a query. Ordered by distance, then index, so that every query has one right answer.
+/// Result of a query. Ordered by distance, then index, so that every query has a unique result.
 struct Neighbour {
   float squared_distance;
   std::uint32_t index;
@@ -17,7 +17,7 @@ struct Neighbour {
   }
 };
 
-/// ‖a − b‖² in the one order of operations that every query uses: answers are equal to the last bit, whoever computes.
+/// ‖a − b‖² in a fixed order of operations that all queries use, so that results are bit-identical.
 inline float squared_distance(const Vec3f& a, const Vec3f& b) {
   const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
   return x * x + y * y + z * z;

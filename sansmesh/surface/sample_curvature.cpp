@@ -40,7 +40,7 @@ SampleCurvature::SampleCurvature(const PointSet& points, std::span<const Princip
 }
 
 void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                               std::span<SurfaceBend> bends) const {
+                               std::span<SurfaceCurvature> bends) const {
   if (x.size() != normals.size() || x.size() != bends.size())
     throw ArgumentError("SampleCurvature::evaluate: as many normals and results as points are needed");
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
@@ -75,7 +75,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
                (sum[0] * u.x * v.x + sum[1] * u.y * v.y + sum[2] * u.z * v.z + sum[3] * (u.x * v.y + u.y * v.x) +
                 sum[4] * (u.x * v.z + u.z * v.x) + sum[5] * (u.y * v.z + u.z * v.y));
       };
-      bends[i] = principal_bend(form(a, a), form(a, b), form(b, b), a, b);
+      bends[i] = principal_curvatures_of(form(a, a), form(a, b), form(b, b), a, b);
     }
   });
 }

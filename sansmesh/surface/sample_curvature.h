@@ -24,7 +24,8 @@ class SampleCurvature final : public CurvatureField {
   SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options, Progress& progress);
   /// Uses known curvatures, as many as points, for example of a mesh's vertices.
   SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const LocalFrame& frame);
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                std::span<SurfaceCurvature> bends) const override;
 
  private:
   LocalFrame frame_;

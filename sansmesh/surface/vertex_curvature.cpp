@@ -8,11 +8,11 @@
 #include <span>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/close_points.h"
-#include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/search/equal_positions.h"
 #include "sansmesh/surface/curvature_fit.h"
 
 namespace sansmesh::inline v1 {
@@ -39,7 +39,7 @@ struct PlaceGraph {
   std::vector<std::uint32_t> first, beside;
   std::vector<Vec3> normal;  ///< normal of each node, unit or zero
 
-  explicit PlaceGraph(const PointSet& mesh) : place(places_of(mesh)), normal(mesh.size()) {
+  explicit PlaceGraph(const PointSet& mesh) : place(first_equal_positions(mesh.positions)), normal(mesh.size()) {
     join(mesh);
     std::vector<double> area(mesh.size(), 0);
     for (const auto& t : mesh.triangles) {
@@ -53,14 +53,6 @@ struct PlaceGraph {
   }
 
  private:
-  static std::vector<std::uint32_t> places_of(const PointSet& mesh) {
-    const std::vector<std::uint8_t> again = find_duplicates(mesh);
-    if (std::find(again.begin(), again.end(), 1) != again.end()) return close_representatives(mesh.positions, 0);
-    std::vector<std::uint32_t> own(mesh.size());
-    std::iota(own.begin(), own.end(), 0u);
-    return own;
-  }
-
   void join(const PointSet& mesh) {
     std::vector<std::uint64_t> pairs;  // both directions
     for (const auto& t : mesh.triangles) {

@@ -5,9 +5,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// On lattices of more samples polynomials about each take too long for what they gain.
+/// On larger lattices polynomials at each sample take too long for their gain.
 constexpr std::size_t kLargeLattice = 500'000;
-/// On other grids of more samples they take too much memory.
+/// On larger grids of other kinds they take too much memory.
 constexpr std::size_t kLargeGrid = 20'000'000;
 
 }  // namespace

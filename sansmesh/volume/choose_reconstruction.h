@@ -1,4 +1,4 @@
-// Which reconstruction suits a volume, from its grid, its resolution and its noise (METHODS §8).
+// Chooses the reconstruction of a volume from its grid, resolution and noise (tejada2008, ch. 7).
 #pragma once
 
 #include "sansmesh/reconstruction_options.h"
@@ -6,7 +6,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// What is taken where nobody chose.
+/// The default method.
 ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits);
 
 }  // namespace sansmesh::inline v1

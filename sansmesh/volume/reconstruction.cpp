@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Options that are set and that the method does not use.
+/// Rejects options that the method does not use.
 void check_options(const ReconstructionOptions& options, const VolumeMethod& method) {
   std::vector<std::string_view> set = options_set(options);
   std::erase(set, "method");
@@ -39,7 +39,7 @@ std::size_t bytes_of_samples(const SampledVolume& v) {
     sum += std::visit([](const auto& values) { return bytes_in(values); }, a.values);
   if (v.lattice)
     for (const auto& axis : v.lattice->axes) sum += bytes_in(axis);
-  constexpr std::size_t kLocated = 40;  // the boxes of the locator's tree, and their order, a cell
+  constexpr std::size_t kLocated = 40;  // bytes per cell of the boxes of the locator's tree and their order
   return sum + kLocated * v.cells.size();
 }
 
@@ -48,9 +48,8 @@ std::size_t bytes_of_coefficients(const ReconstructionCoefficients& c) {
   return bytes_in(p.metrics, p.constants, p.degrees, p.first, p.coefficients, p.trust, c.radii);
 }
 
-/// Values that become smaller by `scale`, for a method whose coefficients are floats. Throws DataError where a few
-/// numbers stand apart that are so much larger than the rest that floats lose this beside them. What falls off to
-/// nothing by itself may be lost.
+/// Checks values that `scale` reduces for a method with float coefficients. Throws DataError if a few numbers are so
+/// much larger than the rest that floats lose the rest. A loss in continuous decay to zero is accepted.
 void check_not_lost(const VolumeValues& values, double scale, std::string_view method) {
   constexpr double kLost = 0x1p-120, kApart = 0x1p-60;
   constexpr std::size_t kLooked = 100'000;
@@ -86,29 +85,29 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   options.validate();
   if (options.method) check_options(options, volume_method(*options.method));
   ReconstructionReport own;
-  ReconstructionReport& told = report ? *report : own;
-  told = {};
-  told.options = options;
+  ReconstructionReport& r = report ? *report : own;
+  r = {};
+  r.options = options;
   VolumeValues values = volume_values(*volume, array);
   if (!options.method) {
-    ReconstructionChoice suited = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
-    told.options.method = std::move(suited.method), told.why = std::move(suited.why);
+    ReconstructionChoice recommended = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+    r.options.method = std::move(recommended.method), r.why = std::move(recommended.why);
   }
-  const VolumeMethod& method = volume_method(*told.options.method);
+  const VolumeMethod& method = volume_method(*r.options.method);
   if (!values.filled.empty())
-    told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
-                                     values.filled.size(), volume->size()));
+    r.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
+                                  values.filled.size(), volume->size()));
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
-  // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
+  // Coefficients and kernels are in float, squares in double: values far from 1 are scaled before and after.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);
   std::unique_ptr<VolumeField> field =
-      method.make({std::move(volume), std::move(values), told.options, progress, told, used});
+      method.make({std::move(volume), std::move(values), r.options, progress, r, used});
   if (!used.empty()) used.scales = factors;
-  told.bytes = bytes + bytes_of_coefficients(used);
+  r.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;
   for (double& f : factors) f = 1 / f;
   return std::make_unique<ScaledVolume>(std::move(field), std::move(factors));

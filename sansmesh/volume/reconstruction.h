@@ -13,14 +13,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// The field of one array (all its components). `volume` is shared. Without a method the one that suits the array is
-/// chosen (choose_reconstruction), and the report says which and why. Throws ArgumentError for options out of range,
-/// that the method does not use, or a grid that it cannot be used on (naming those that can), DataError as
-/// volume_values.
+/// The field of one array (all components). `volume` is shared. Without a method choose_reconstruction selects one, and
+/// the report names it with the reason. Throws ArgumentError for options out of range, options that the method does not
+/// use, and grids that it does not support (naming the methods that do); DataError as volume_values.
 ///
-/// `coefficients`: those that are empty receive what the method has fitted, if anything. Others are taken in place of a
-/// fit, and must be those of the same volume and array, with the options that the report told then: the field is the
-/// same to the bit.
+/// `coefficients`: empty ones receive the fitted coefficients, if any. Others replace the fit; they must belong to the
+/// same volume and array, with the options of the report of that fit. The field is then bit-identical.
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,
                                                 ReconstructionReport* report = nullptr,

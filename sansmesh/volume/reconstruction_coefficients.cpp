@@ -55,15 +55,15 @@ void ReconstructionCoefficients::check(const SampledVolume& volume, std::size_t 
               holds_for_all(p.constants.size(), [&](std::size_t i) { return std::isfinite(p.constants[i]); }),
           "a coefficient is not finite");
   require(holds_for_all(n, [&](std::size_t i) { return p.trust[i] >= 0 && p.trust[i] <= 1; }),
-          "how far its polynomials are trusted makes no sense");
+          "the trust of its polynomials is invalid");
   require(holds_for_all(p.metrics.size(), [&](std::size_t i) { return is_metric(p.metrics[i]); }),
-          "a local metric makes no sense");
+          "a local metric is invalid");
   require(scales.empty() || (scales.size() == components &&
                              std::all_of(scales.begin(), scales.end(),
                                          [](double s) { return s > 0 && std::isfinite(s) && std::isfinite(1 / s); })),
-          "a scale of its values makes no sense");
+          "a scale of its values is invalid");
   require(holds_for_all(radii.size(), [&](std::size_t i) { return radii[i] > 0 && std::isfinite(radii[i]); }),
-          "the radius of a support makes no sense");
+          "the radius of a support is invalid");
 }
 
 }  // namespace sansmesh::inline v1

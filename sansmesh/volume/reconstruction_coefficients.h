@@ -1,4 +1,4 @@
-// What reconstructions compute once and keep: with it a field is made again without a fit.
+// Stored coefficients of reconstructions, which recreate a field without a fit.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,24 @@
 
 namespace sansmesh::inline v1 {
 
-/// Of mls-detail and amls; the other methods have none, they are quickly set up from the values. Plain arrays that are
-/// never changed, in memory or in a mapped file.
+/// Only mls-detail and amls have coefficients; other methods are quick to set up from the values. Immutable arrays in
+/// memory or in a mapped file.
 struct ReconstructionCoefficients {
-  LocalPolynomials polynomials;  ///< of amls with the iterated constants
-  SharedArray<float> radii;      ///< of the supports, in the local metrics; empty where cells are blended
-  /// The values were multiplied by these before the fit, powers of two, one a component; empty: they were not.
+  LocalPolynomials polynomials;  ///< for amls with the iterated constants
+  SharedArray<float> radii;      ///< support radii in the local metrics; empty where cells are blended
+  /// Powers of two that scaled the values before the fit, one per component; empty: not scaled.
   std::vector<double> scales;
 
   bool empty() const { return polynomials.size() == 0; }
-  /// How many polynomials there are of each degree, 0 to 4; nothing where there are none.
+  /// Number of polynomials of each degree, 0 to 4; empty without polynomials.
   std::vector<std::size_t> by_degree() const;
-  /// Throws DataError unless they are such as `method` has for that volume and an array of so many components: sizes
-  /// fit, degrees are those that there are, every number is finite.
+  /// Throws DataError unless they are valid for `method` on that volume and number of components: matching sizes, valid
+  /// degrees, finite numbers.
   void check(const SampledVolume& volume, std::size_t components, std::string_view method) const;
 };
 
-/// Whether the method blends functions of ellipsoidal support about samples (amls always; mls-detail where cells do not
-/// fit together since blocks overlap, and where samples are corners of none), not polynomials in cells.
+/// Whether the method blends functions with ellipsoidal supports (amls always; mls-detail for non-conforming cells of
+/// overlapping blocks, and for samples that are no cell corners) instead of polynomials in cells.
 bool blends_supports(const SampledVolume& volume, std::string_view method);
 
 }  // namespace sansmesh::inline v1

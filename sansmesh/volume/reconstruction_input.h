@@ -11,15 +11,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// The options are in range, and none that the method does not use.
+/// The options are valid and all used by the method.
 struct ReconstructionInput {
   std::shared_ptr<const SampledVolume> volume;
   VolumeValues values;
   ReconstructionOptions options;
   Progress& progress;
-  /// `options` are those above until the method puts in what it has chosen; notes about values are there already.
+  /// `options` equal those above until the method writes its choices; notes about values are present already.
   ReconstructionReport& report;
-  /// Methods that have some put them in here, or take those that are here already in place of a fit.
+  /// Methods with coefficients store them here, or use those present instead of a fit.
   ReconstructionCoefficients& coefficients;
 };
 

@@ -12,30 +12,30 @@ const OptionSchema& ReconstructionOptions::schema() {
   using O = ReconstructionOptions;
   using Words = RegistryWords<VolumeMethod>;
   static const std::string method = "Reconstruction between samples: " + VolumeMethod::registry().names();
-  static const std::string radius = "Of supports in spacings (" + methods_that_use("radius") + ")";
+  static const std::string radius = "Support radius in spacings (" + methods_that_use("radius") + ")";
   static const OptionRow rows[] = {
       option<&O::method, Words>(
           {.text = method, .from_data = "from grid, resolution and noise", .choices = Words::names()}),
-      option<&O::degree>({.text = "Highest degree of polynomials: up to 4 of mls and mls-detail, from 1 of lagrange",
+      option<&O::degree>({.text = "Highest degree of polynomials: 0..4 for mls and mls-detail, 1..5 for lagrange",
                           .unit = "degree",
                           .range = {.least = 0, .most = 5},
                           .needs = "method"}),
-      option<&O::iterations>(
-          {.text = "Times that residuals are added (amls)", .range = {.least = 0, .most = 100}, .needs = "method"}),
-      option<&O::epsilon>({.text = "Of amls: shape parameter, small is smooth",
+      option<&O::iterations>({.text = "Number of iterations that add residuals (amls)",
+                              .range = {.least = 0, .most = 100},
+                              .needs = "method"}),
+      option<&O::epsilon>({.text = "Shape parameter (amls): smaller is smoother",
                            .range = {.least = 0.05, .most = 10},
                            .needs = "method",
                            .old_name = "shape"}),
-      option<&O::order>({.text = "Of amls: 2, 4 or 6", .unit = "order", .needs = "method"}),
-      option<&O::spherical>({.text = "Of amls: whether supports are balls, not ellipsoids; for comparison, not for "
+      option<&O::order>({.text = "Order of approximation (amls): 2, 4 or 6", .unit = "order", .needs = "method"}),
+      option<&O::spherical>({.text = "Spherical instead of ellipsoidal supports (amls), for comparison; not for "
                                      "uniform and rectilinear grids",
                              .needs = "method"}),
       option<&O::radius>({.text = radius, .range = {.least = 1, .most = 10}, .needs = "method"}),
       option<&O::robust>(
-          {.text = "Of mls-detail: whether weights leave steps between materials sharp, as they do by themselves",
-           .needs = "method"}),
-      option<&O::b>({.text = "Of cubic: B of its family", .range = {.least = 0, .most = 1}, .needs = "method"}),
-      option<&O::c>({.text = "Of cubic: C of its family; with B = 0, 0.5 is Catmull–Rom",
+          {.text = "Robust weights that keep steps between materials sharp (mls-detail)", .needs = "method"}),
+      option<&O::b>({.text = "B of the BC family (cubic)", .range = {.least = 0, .most = 1}, .needs = "method"}),
+      option<&O::c>({.text = "C of the BC family (cubic); 0.5 with B = 0 is Catmull–Rom",
                      .range = {.least = 0, .most = 1},
                      .needs = "method"}),
   };

@@ -13,19 +13,19 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Samples that are predicted, at most.
+/// Largest number of predicted samples.
 constexpr std::size_t kPredicted = 3000;
-/// Samples around that are wanted: twice as many as a cubic polynomial has coefficients, and no more rings than needed.
+/// Neighbours required: twice the number of coefficients of a cubic polynomial, with as few rings as possible.
 constexpr std::size_t kWanted = 40;
 constexpr int kRingsAround = 4;
-/// Predictions are normal deviates about twice as wide as the noise of their neighbours makes them.
+/// Predictions are normal deviates, about twice as wide as the noise of their neighbours implies.
 constexpr double kToDeviation = 1.4826;
-/// Next to steps: off by so many medians and by such a share of the range.
+/// Samples next to steps: error in medians, and as a share of the range.
 constexpr double kStepMedians = 10, kStepShare = 0.05;
 
 struct Prediction {
   std::array<double, 4> error{};  ///< by degree
-  double spread = 0;  ///< by how much noise of the neighbours widens the error of degree 2: √(1 + leverage)
+  double spread = 0;  ///< factor by which noise of the neighbours widens the error of degree 2: √(1 + leverage)
 };
 
 /// The neighbours of a sample ring by ring, without the sample itself.
@@ -52,7 +52,7 @@ class Predictor {
   Prediction predict(std::uint32_t sample) {
     gather(volume_, sample, near_);
     const Vec3 center = volume_.position(sample);
-    // Coordinates in which the neighbours are spread equally in all directions of the axes.
+    // Coordinates in which the neighbours have the same spread along all axes.
     Vec3 scale;
     for (const std::uint32_t s : near_) {
       const Vec3 d = volume_.position(s) - center;

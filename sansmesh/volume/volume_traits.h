@@ -1,4 +1,4 @@
-// The values of a volume, measured: resolved by their samples or not, noisy or not, with steps or without.
+// Measures traits of the values of a volume: resolution, noise, steps.
 #pragma once
 
 #include "sansmesh/progress.h"
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Deterministic, about a second at most. `values` are of the volume.
+/// Deterministic, about a second at most. `values` belong to `volume`.
 VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValues& values, Progress& progress);
 
 }  // namespace sansmesh::inline v1

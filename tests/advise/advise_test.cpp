@@ -24,7 +24,7 @@ Advice ask(const PointSet& cloud) {
   return advise(cloud, progress);
 }
 
-/// What is recommended for this aim, if anything is.
+/// The recommendation for this aim, if any.
 std::optional<Recommendation> for_aim(const Advice& advice, Aim aim) {
   for (const Recommendation& r : advice.recommendations)
     if (r.aim == aim) return r;
@@ -36,7 +36,7 @@ bool says(const Advice& advice, const std::string& words) {
                      [&](const std::string& f) { return f.find(words) != std::string::npos; });
 }
 
-TEST(Advise, SeesTheEdgesOfACube) {
+TEST(Advise, FindsTheEdgesOfACube) {
   for (const std::size_t n : {3000u, 20000u}) {
     const Advice advice = ask(test::cube(n));
     // 12 edges of 2, the diagonal 2 √3.
@@ -52,7 +52,7 @@ TEST(Advise, SeesTheEdgesOfACube) {
   }
 }
 
-TEST(Advise, SeesNothingWrongWithACleanSphere) {
+TEST(Advise, HasNoFindingsForACleanSphere) {
   const Advice advice = ask(test::sphere(20000));
   EXPECT_NEAR(advice.traits.spacing, std::sqrt(4 * std::numbers::pi / 20000), 0.1 * advice.traits.spacing);
   EXPECT_LT(advice.traits.noise_ratio(), 0.02);
@@ -80,17 +80,17 @@ TEST(Advise, SmoothsNoise) {
   }
 }
 
-TEST(Advise, SaysOfNoiseWhatCanBeKnown) {
+TEST(Advise, ReportsBoundsOfUnknownNoise) {
   CloudTraits few;
   few.samples = 1500, few.spacing = 1, few.most_noise = 0.3, few.noise_known = false;
-  EXPECT_TRUE(says(advise(few), "cannot be told from shape with so few samples: it is 0.3 spacings at most"));
+  EXPECT_TRUE(says(advise(few), "cannot be distinguished from shape with so few samples: it is 0.3 spacings at most"));
   CloudTraits frame;
   frame.samples = 250000, frame.spacing = 1, frame.most_noise = 0.7, frame.step = 2.4, frame.noise_known = false;
   EXPECT_TRUE(says(advise(frame), "steps of 2.4 spacings"));
   for (const CloudTraits& t : {few, frame}) EXPECT_FALSE(says(advise(t), "no noise"));
 }
 
-TEST(Advise, CleansStraySamplesFirst) {
+TEST(Advise, RemovesStraySamplesFirst) {
   PointSet cloud = test::sphere(20000);
   std::mt19937 generator(3);
   std::uniform_real_distribution<float> uniform(-2, 2);
@@ -107,7 +107,7 @@ TEST(Advise, CleansStraySamplesFirst) {
   EXPECT_LT(advice.traits.noise_ratio(), 0.05) << "stray samples are no noise";
 }
 
-TEST(Advise, SaysWhatHappensToNormals) {
+TEST(Advise, ReportsTheTreatmentOfNormals) {
   SANSMESH_NOT_SANITIZED("repeats what others run");
   PointSet cloud = test::sphere(5000);
   PointSet none = cloud, inward = cloud, mixed = cloud;
@@ -121,7 +121,7 @@ TEST(Advise, SaysWhatHappensToNormals) {
   EXPECT_TRUE(says(ask(mixed), "not oriented consistently"));
 }
 
-TEST(Advise, SeesBorders) {
+TEST(Advise, FindsBorders) {
   PointSet half;
   const PointSet ball = test::sphere(20000);
   for (std::size_t i = 0; i < ball.size(); ++i) {
@@ -137,9 +137,9 @@ TEST(Advise, SeesBorders) {
   EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("ends where the samples end"), std::string::npos);
 }
 
-TEST(Advise, TellsOpenScenesFromSolids) {
+TEST(Advise, DistinguishesOpenScenesFromSolids) {
   EXPECT_EQ(ask(test::cube(3000)).traits.open, 0);
-  // A floor, and a ball above it that is an eighth of both.
+  // A floor, and a ball above it with an eighth of the total area.
   PointSet scene;
   for (int i = 0; i < 100; ++i)
     for (int j = 0; j < 100; ++j) {
@@ -166,8 +166,8 @@ TEST(Advise, TellsOpenScenesFromSolids) {
 }
 
 TEST(Advise, CountsTheOpenEdgesOfFaces) {
-  // A lattice of n × n on a sphere without its poles: two loops of n edges each; with a quadrilateral less another
-  // of 4.
+  // A lattice of n × n on a sphere without its poles: two loops of n edges each; with the hole of a quadrilateral
+  // another of 4.
   const std::uint32_t n = 60;
   PointSet band;
   for (std::uint32_t i = 0; i < n; ++i)
@@ -184,8 +184,8 @@ TEST(Advise, CountsTheOpenEdgesOfFaces) {
   EXPECT_EQ(advice.traits.open_loops, 3u);
   EXPECT_TRUE(says(advice, "124 open edges of the faces in 3 loops"));
   EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("`fill_holes`"), std::string::npos);
-  // Every triangle with corners of its own is sewn where these are at one place, as `info` and `measure` count; of
-  // triangles that touch nothing there is nothing to be said.
+  // Separate triangles are joined at equal positions, as in `info` and `measure`; triangles that touch nothing have no
+  // finding.
   PointSet soup;
   for (const auto& t : band.triangles) {
     const auto base = static_cast<std::uint32_t>(soup.size());
@@ -200,7 +200,7 @@ TEST(Advise, CountsTheOpenEdgesOfFaces) {
   EXPECT_EQ(ask(soup).traits.open_edges, 0u);
 }
 
-TEST(Advise, SeesUnevenSampling) {
+TEST(Advise, FindsUnevenSampling) {
   PointSet uneven;
   const PointSet ball = test::sphere(40000);
   for (std::size_t i = 0; i < ball.size(); ++i) {
@@ -209,7 +209,7 @@ TEST(Advise, SeesUnevenSampling) {
     uneven.normals.push_back(ball.normals[i]);
   }
   const Advice advice = ask(uneven);
-  EXPECT_GT(advice.traits.density_ratio, 3.5);  // 6, but for the lines that every 36th sample of the spiral lies on
+  EXPECT_GT(advice.traits.density_ratio, 3.5);  // 6, except for the lines through every 36th sample of the spiral
   EXPECT_LT(advice.traits.density_ratio, 7);
   EXPECT_TRUE(says(advice, "uneven"));
   EXPECT_LT(ask(ball).traits.density_ratio, 1.3);
@@ -228,7 +228,7 @@ TEST(Advise, RecommendsWhatTheMethodUses) {
     }
 }
 
-TEST(Advise, RefusesWhatIsNoSurface) {
+TEST(Advise, RejectsPointsWithoutASurface) {
   PointSet few = test::sphere(8), flat, empty;
   for (int row = 0; row < 20; ++row)
     for (int column = 0; column < 20; ++column)

@@ -1,4 +1,4 @@
-// Which methods a volume is offered: figure 7.2 of [tejada2008], case by case.
+// Recommended methods for volumes: figure 7.2 of tejada2008, case by case.
 #include "sansmesh/volume_advice.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ const VolumeRecommendation* find(const std::vector<VolumeRecommendation>& list, 
   return at == list.end() ? nullptr : &*at;
 }
 
-/// Samples that parabolas predict much better than planes do.
+/// Samples that parabolas predict much better than planes.
 VolumeOffer resolved() {
   VolumeOffer offer;
   offer.traits.left_out = {0.02, 0.01, 0.001, 0.0005};
@@ -24,7 +24,7 @@ VolumeOffer resolved() {
   return offer;
 }
 
-TEST(AdviseVolume, SurfacesOfWhatIsResolvedAreIsosurfaces) {
+TEST(AdviseVolume, ResolvedVolumesGetIsosurfaces) {
   const auto list = advise_volume(resolved());
   ASSERT_NE(find(list, VolumeAim::surface), nullptr);
   EXPECT_FALSE(find(list, VolumeAim::surface)->by_samples);
@@ -43,13 +43,13 @@ TEST(AdviseVolume, CoarseLatticesWithStepsHaveBordersFirst) {
   ASSERT_FALSE(list.empty());
   EXPECT_EQ(list[0].aim, VolumeAim::border);
   EXPECT_TRUE(find(list, VolumeAim::surface)->by_samples);
-  // Layers of samples fall apart on flat cells: there surfaces are of the reconstruction, whatever the values.
+  // In flat cells layers of samples fall apart: surfaces use the reconstruction for all values.
   offer.lattice = false;
   EXPECT_EQ(find(advise_volume(offer), VolumeAim::border), nullptr);
   EXPECT_FALSE(find(advise_volume(offer), VolumeAim::surface)->by_samples);
 }
 
-TEST(AdviseVolume, FlowsThatChangeHavePathsAndSteadyOnesStreams) {
+TEST(AdviseVolume, UnsteadyFlowsGetPathLinesSteadyOnesStreamLines) {
   VolumeOffer offer = resolved();
   offer.vectors = true;
   const auto steady = advise_volume(offer);

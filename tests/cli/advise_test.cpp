@@ -1,4 +1,4 @@
-// sansmesh advise: what it prints can be run.
+// Tests of `advise`: its recommended commands run.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -42,7 +42,7 @@ TEST_F(AdviseCommand, CommandsItPrintsRun) {
       ASSERT_EQ(arguments.at(0), "sansmesh");
       arguments.erase(arguments.begin());
       if (const auto preview = std::find(arguments.begin(), arguments.end(), "--preview"); preview != arguments.end())
-        arguments.erase(preview, preview + 2);  // takes long, and is the same for all commands
+        arguments.erase(preview, preview + 2);  // slow, and the same for all commands
       if (arguments[0] == "render") arguments.insert(arguments.end(), {"--width", "64", "--height", "48", "--quick"});
       const Outcome one = run(arguments);
       EXPECT_EQ(one.code, 0) << line << "\n" << one.err;

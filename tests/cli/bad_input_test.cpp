@@ -1,4 +1,4 @@
-// Every kind of bad input: one line that names the file and the cause, the right exit code, nothing written.
+// Tests of bad input: one line with file and cause, the right exit code, no output file.
 #include <sys/stat.h>
 
 #include "run_tool.h"
@@ -72,7 +72,7 @@ TEST_P(BadInput, IsOneLineAndLeavesNothing) {
       EXPECT_EQ(nlohmann::json::parse(outcome.out)["error"]["exit_code"], 1) << outcome.out;
     else
       EXPECT_EQ(outcome.out, "");
-    std::string last = outcome.err;  // warnings may come before
+    std::string last = outcome.err;  // warnings may precede it
     while (std::count(last.begin(), last.end(), '\n') > 1) last.erase(0, last.find('\n') + 1);
     EXPECT_EQ(last.find("sansmesh: "), 0u) << outcome.err;
     EXPECT_NE(last.find(bad.file), std::string::npos) << outcome.err;

@@ -1,4 +1,4 @@
-// A small volume for the commands: a ball in a raw file.
+// A ball in a small raw file, as volume for the commands.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace sansmesh::test {
 constexpr std::size_t kBallSize = 17;  ///< samples along each axis, 1 apart
 constexpr const char* kBallFile = "ball_17x17x17_float32.raw";
 
-/// 7 less the distance from the middle (8, 8, 8): {f > 2} is the ball of radius 5.
+/// 7 minus the distance from the centre (8, 8, 8): {f > 2} is the ball of radius 5.
 inline std::string ball_bytes() {
   std::vector<float> values;
   for (std::size_t k = 0; k < kBallSize; ++k)

@@ -1,4 +1,4 @@
-// What the tool says to those who mistype: the option as it was typed, its value, and what may have been meant.
+// Tests of messages about mistyped command lines: the option as typed, its value, and suggestions.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -28,14 +28,14 @@ std::string spaced(const Words& words) {
   return text;
 }
 
-/// An option as the help of a command lists it.
+/// An option in the help of a command.
 struct HelpEntry {
   std::string flag, value, what;
 };
 
 class CommandLineTool : public ToolTest {
  protected:
-  /// Names below the heading Commands of a help.
+  /// Names under the heading Commands of a help.
   static Words commands_of(const std::string& help) {
     Words names;
     std::istringstream lines(help.substr(std::min(help.find("\nCommands:\n"), help.size())));
@@ -47,7 +47,7 @@ class CommandLineTool : public ToolTest {
       if (std::regex_match(line, found, entry)) names.push_back(found[1]);
     return names;
   }
-  /// All commands that do something, {"volume", "probe"}, with their help.
+  /// All commands without subcommands, {"volume", "probe"}, with their help.
   std::map<Words, std::string> commands() const {
     std::map<Words, std::string> all;
     std::vector<Words> to_do{{}};
@@ -109,28 +109,28 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
   expect_line({"mesh", "a.smf", "b.smf", "-o", "x.ply"},
               "'b.smf' is left over: mesh takes one input (see sansmesh help mesh)");
   expect_line({"probe", "a.smf", "--at", "1,2"},
-              "--at needs 3 numbers with commas between them, not '1,2' (see sansmesh help probe)");
+              "--at needs 3 comma-separated numbers, not '1,2' (see sansmesh help probe)");
   expect_line({"probe", "a.smf", "1,2,3"},
               "'1,2,3' is left over: probe takes one input (did you mean --at 1,2,3?) (see sansmesh help probe)");
   expect_line({"probe", "a.smf", "--at", "1mm,2,3"},
-              "--at: '1mm,2,3' is not a number: plain numbers are wanted, in the unit of the input "
+              "--at: '1mm,2,3' is not a number: write plain numbers, in the unit of the input "
               "(see sansmesh help probe)");
   expect_line(reconstruct + Words{"--trim", "5mm"},
-              "--trim: '5mm' is not a number: a plain number is wanted, in the unit of the input" + more);
+              "--trim: '5mm' is not a number: write a plain number, in the unit of the input" + more);
   expect_line(reconstruct + Words{"--width=5px"},
-              "--width: '5px' is not a number: a plain number is wanted, in pixels" + more);
+              "--width: '5px' is not a number: write a plain number, in pixels" + more);
   expect_line(reconstruct + Words{"--triangles", "1,000,000"},
               "--triangles: '1,000,000' is not a number: write 1000000" + more);
   expect_line(reconstruct + Words{"--triangles", "1,00"}, "--triangles: '1,00' is not a number" + more);
-  // Without a value, and before the input: the file is not taken for a length.
+  // Without a value, before the input: the file name is not read as a length.
   EXPECT_EQ(run({"reconstruct", "--trim", "ball.ply", "-o", "x.ply"}).code, 0);
   EXPECT_EQ(run({"reconstruct", "--trim", "0.5", "ball.ply", "-ox.ply"}).code, 0);
 }
 
-// Every option of every command: what is no number, and what lies out of the range that the help states.
+// Every option of every command with values that are no numbers or out of the range in the help.
 TEST_F(CommandLineTool, EveryOptionOfTheTableSaysWhatIsWrongWithItsValue) {
   SANSMESH_NOT_SANITIZED("hundreds of runs that end alike");
-  // What values are called that are no texts.
+  // Placeholders of values that are no texts.
   const std::set<std::string> checked{
       "LENGTH",   "COUNT",  "RATIO", "LEVEL",   "DEGREE",   "DEGREES", "PIXELS", "NUMBER", "FACTOR", "SHARE",
       "DURATION", "TIME",   "SPEED", "SECONDS", "EXPONENT", "GIB",     "POINT",  "X,Y,Z",  "BOX",    "ORDER",
@@ -145,7 +145,7 @@ TEST_F(CommandLineTool, EveryOptionOfTheTableSaysWhatIsWrongWithItsValue) {
       if (o.value.empty()) continue;
       const bool optional = o.value[0] == '[';
       const std::string value_name = optional ? o.value.substr(1, o.value.size() - 2) : o.value;
-      if (!known.insert(o.flag + o.what).second) continue;  // one that commands share
+      if (!known.insert(o.flag + o.what).second) continue;  // options shared by several commands are checked once
       const auto complains = [&, &command = command](const std::string& value, const std::string& part) {
         const Outcome outcome = run(command + Words{"--quiet", o.flag + "=" + value, "absent"});
         EXPECT_EQ(outcome.code, 2) << spaced(command) << " " << o.flag << "=" << value << "\n" << outcome.err;
@@ -188,7 +188,7 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"mesh", "x.smf", "-o", "x.ply", "--mesh_error", "1"},
               "unknown option --mesh_error (did you mean --mesh-error?) (see sansmesh help mesh)");
   expect_line({"advise", "scan.ply", "--neighbours", "5"},
-              "unknown option --neighbours (it is one of normals and curvature) (see sansmesh help advise)");
+              "unknown option --neighbours (it is an option of normals and curvature) (see sansmesh help advise)");
   expect_line(
       {"reconstruct", "scan.ply", "-o", "x.ply", "--normals", "estimated"},
       "--normals must be one of auto, given, estimate, not 'estimated' (did you mean estimate?) (see sansmesh help "
@@ -227,7 +227,7 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"info", "scnas/scan.ply"}, "scnas/scan.ply: no such file (did you mean 'scans'?)", 1);
 }
 
-/// Names that options and commands had are understood, and warned of.
+/// Former names of options and commands are accepted with a warning.
 TEST_F(CommandLineTool, OldNamesAreUnderstood) {
   write_points(path("scan.ply"), sphere(100));
   for (const auto& [line, now] : std::vector<std::pair<Words, std::string>>{
@@ -241,7 +241,7 @@ TEST_F(CommandLineTool, OldNamesAreUnderstood) {
   }
 }
 
-/// Of a command no name of the version before means something else now.
+/// No former name of the previous version has a new meaning.
 TEST_F(CommandLineTool, OldNamesMeanNothingElse) {
   const auto schema = nlohmann::json::parse(run({"schema"}).out);
   std::size_t old_names = 0;
@@ -259,7 +259,7 @@ TEST_F(CommandLineTool, OldNamesMeanNothingElse) {
     for (const std::string& one : understood) EXPECT_EQ(understood.count(one), 1u) << name << " " << one;
     old_names += old.size();
     if (old.empty()) continue;
-    // All at once: a name that is not known is told before what is wrong with values.
+    // All former names together: an unknown name is reported before a wrong value.
     for (const std::string& one : old) words.push_back(one + "=1");
     EXPECT_EQ(run(words).err.find("unknown option"), std::string::npos) << name << run(words).err;
   }
@@ -277,7 +277,7 @@ TEST_F(CommandLineTool, OldNamesMeanNothingElse) {
   }
 }
 
-/// With --json what went wrong is data, too.
+/// With --json an error is printed as data, too.
 TEST_F(CommandLineTool, ErrorsAreDataWhereTheyAreWanted) {
   write_points(path("scan.ply"), sphere(100));
   const auto error_of = [&](const Words& line, int code) {
@@ -309,7 +309,7 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   const std::string all = run({"volume", "probe", "--help-all"}).out;
   EXPECT_EQ(run({"help", "volume", "probe", "--all"}).out, all);
   EXPECT_NE(all.find("\nReconstruction:\n"), std::string::npos) << all;
-  // What is not used first has its name there, and a way to it.
+  // The short help names advanced options and the command that shows them.
   EXPECT_NE(all.find("\n  --iterations COUNT "), std::string::npos) << all;
   EXPECT_EQ(help.find("\n  --iterations COUNT "), std::string::npos) << help;
   EXPECT_NE(help.find("\n  reconstruction "), std::string::npos) << help;
@@ -319,17 +319,17 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   EXPECT_NE(all.find(group), std::string::npos) << group;
   expect_line({"help", "volume", "prob"},
               "unknown command 'prob' of volume (did you mean probe?) (see sansmesh help volume)");
-  expect_line({"help", "mesh", "it"}, "mesh has no commands of its own, not 'it' (see sansmesh help mesh)");
+  expect_line({"help", "mesh", "it"}, "mesh has no commands, so 'it' is unknown (see sansmesh help mesh)");
   expect_line({"help", "mesh", "--json"}, "--json means nothing to help (see sansmesh help help)");
   std::istringstream lines(run({"help", "reconstruct"}).out);
   for (std::string line; std::getline(lines, line) && line.find("Reads") != 0;) EXPECT_LE(line.size(), 120u) << line;
 }
 
-/// Help shows twenty options at most and those of every command; views are told of once, variants of sources apart.
+/// The short help shows at most twenty options and the common ones; views and published variants are separate.
 TEST_F(CommandLineTool, HelpShowsWhatPeopleUseFirst) {
   SANSMESH_NOT_SANITIZED("runs that end alike");
   const auto schema = nlohmann::json::parse(run({"schema"}).out);
-  const std::size_t common = schema["common"].size() - 1;  // but for --version
+  const std::size_t common = schema["common"].size() - 1;  // without --version
   for (const auto& [command, all] : commands()) {
     const std::string help = run(command + Words{"--help"}).out;
     const std::size_t shown = options_of(help.substr(0, help.find("\nMore options"))).size();
@@ -345,7 +345,7 @@ TEST_F(CommandLineTool, HelpShowsWhatPeopleUseFirst) {
   const std::string sources = run({"help", "reconstruct", "as-in-the-sources"}).out;
   EXPECT_NE(sources.find("\n  --mesher "), std::string::npos) << sources;
   EXPECT_NE(sources.find("\n  --tau "), std::string::npos) << sources;
-  // The level is one of a command: --array is what flows are asked for first, and simulations last.
+  // The level depends on the command: --array is basic for flows and advanced for simulations.
   const auto level = [&](const std::string& name, const std::string& flag) -> std::string {
     for (const auto& command : schema["commands"])
       for (const auto& option : command["options"])
@@ -381,19 +381,20 @@ TEST_F(CommandLineTool, OptionsOfTheToolStandAnywhere) {
   const Outcome nested = run({"volume", "--threads=1", "probe", "absent.vti", "--at", "0,0,0"});
   EXPECT_NE(nested.err.find("absent.vti"), std::string::npos) << nested.err;
   expect_line({"--threads", "none", "info", "scan.ply"}, "--threads: 'none' is not a number (see sansmesh help)");
-  expect_line({"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
-              "unknown option --depth here: options of a command come after it (it is one of reconstruct, render, "
-              "project and others) "
-              "(see sansmesh help)");
+  expect_line(
+      {"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
+      "unknown option --depth here: options of a command come after it (it is an option of reconstruct, render, "
+      "project and others) "
+      "(see sansmesh help)");
 }
 
-// A command that is new needs its line here.
+// New commands need a line here.
 TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
   SANSMESH_NOT_SANITIZED("others run every command");
   PointSet cloud = sphere(300);
   write_points(path("ball.ply"), cloud);
   cloud.positions[7].x = std::nanf("");
-  write_points(path("gap.ply"), cloud);  // one of its samples is left out, with a warning
+  write_points(path("gap.ply"), cloud);  // one of its samples is dropped with a warning
   write(kBallFile, ball_bytes());
   write("pull.json", R"({"handles": [{"p": [1, 0, 0], "q": [1.2, 0, 0]}, {"p": [-1, 0, 0]}, {"p": [0, 1, 0]}]})");
   write("edits.json",

@@ -54,7 +54,7 @@ TEST_F(Commands, ReconstructsTheBundledScan) {
   EXPECT_TRUE(json["topology"]["closed"]);
   EXPECT_LT(json["from_reference"]["mean"].get<double>(), 4e-4 * json["reference"]["diagonal"].get<double>());
   EXPECT_LT(json["quality"]["aspect_mean"].get<double>(), 1.7);
-  // The base of the closed mesh, and nothing else, has no samples.
+  // Only the base of the closed mesh has no samples.
   EXPECT_EQ(json["coverage"]["lost"]["share"], 0);
   EXPECT_TRUE(json["coverage"]["lost"]["most_around"].is_null());
   EXPECT_EQ(json["coverage"]["lost"]["looked_at"], 12442);
@@ -120,12 +120,11 @@ TEST_F(Commands, ThePapersFitIsWalkedAndSaysWhatItDid) {
   EXPECT_EQ(json["paper"]["fitted"].get<int>() + json["paper"]["borrowed"].get<int>(), json["fits"].get<int>());
   EXPECT_LT(json["aspect_ratio"]["mean"].get<double>(), 2);
   EXPECT_GT(json["aspect_ratio"]["mean_before"].get<double>(), 2.2);
-  EXPECT_NE(run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper"}).out.find("walked through"),
-            std::string::npos);
+  EXPECT_NE(run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper"}).out.find("traversed"), std::string::npos);
   ASSERT_EQ(run({"fit", "in.ply", "-o", "paper.smf", "--fit", "paper", "--coverage", "0.3,0.5,0.7"}).code, 0);
   ASSERT_EQ(run({"mesh", "paper.smf", "-o", "out.ply"}).code, 0);
   EXPECT_EQ(run({"mesh", "paper.smf", "-o", "few.ply", "--mesher", "blocks", "--triangles", "500"}).code, 0);
-  // The default's function can be walked, too.
+  // The default function can be walked, too.
   ASSERT_EQ(run({"reconstruct", "in.ply", "-o", "out.ply", "--mesher", "walk"}).code, 0);
 }
 
@@ -257,7 +256,7 @@ TEST_F(Commands, UnorientedNormalsAreTurnedWithAWarning) {
 }
 
 TEST_F(Commands, SayFromWhatSignsOfNormalsWereTaken) {
-  // What a scanner sees of the inside of a ball: by itself that would look outward.
+  // The view of a scanner from inside a ball, which alone would look like the outside.
   PointSet ball = sphere(4000);
   std::string pcd = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH " + std::to_string(ball.size()) +
                     "\nHEIGHT 1\nVIEWPOINT 0.1 0.2 0.3 1 0 0 0\nDATA ascii\n";
@@ -323,7 +322,7 @@ TEST_F(Commands, InfoDescribes) {
 }
 
 TEST_F(Commands, NormalsOfNoSurfaceAreNotCalledOutward) {
-  // Points that fill a cube: planes through most of them agree, and mean nothing.
+  // Points that fill a cube: planes through most of them agree without meaning.
   PointSet filled = sphere(300);
   std::uint32_t next = 1;
   for (Vec3f& p : filled.positions)
@@ -360,7 +359,7 @@ TEST_F(Commands, AttributesAreToldAndStayWithTheirPoints) {
   EXPECT_EQ(attributes[1]["components"], 3);
   EXPECT_NE(run({"info", "with.ply"}).out.find("id (uint16 a point): 0 to 2999"), std::string::npos);
 
-  // Through other formats and a command that moves points, each number stays where its point went.
+  // Attributes stay with their points through other formats and a command that moves points.
   ASSERT_EQ(run({"project", "with.ply", "-o", "moved.vtp"}).code, 0);
   const PointSet moved = read_points(path("moved.vtp"));
   const auto& number = *moved.attributes.find<std::uint16_t>("id");

@@ -1,4 +1,4 @@
-// Completions as the shells themselves make them, and manual pages as groff sets them.
+// Tests of completion in the real shells, and of manual pages in groff.
 #include <cstdlib>
 
 #include "run_tool.h"
@@ -6,7 +6,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// In zsh completion works only in a terminal: prints what each line becomes after a tab.
+/// Completion of zsh works only in a terminal: prints the completion of each line.
 constexpr const char* kZshTerminal = R"(zmodload zsh/zpty || exit 9
 zpty shell zsh -f -i
 zpty -w shell "PROMPT= RPROMPT= PS2=; fpath=($PWD/zsh \$fpath); autoload -Uz compinit; compinit -u -D; stty -echo"
@@ -40,7 +40,7 @@ class Completion : public ToolTest {
   static bool installed(const std::string& program) {
     return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
   }
-  /// Lines that a command of the shell prints, run in the folder.
+  /// Lines printed by a shell command in the folder.
   std::vector<std::string> lines_of(const std::string& command, int* status = nullptr) const {
     const std::string out = path("captured-shell");
     const int code = std::system(("cd '" + folder_.string() + "' && (" + command + ") >" + out + " 2>&1").c_str());
@@ -92,7 +92,7 @@ TEST_F(Completion, OfBash) {
     EXPECT_EQ(sorted_words(lines[i]), expected[i].second) << expected[i].first;
 }
 
-// The table of options is one: what bash offers is what help and the manual page list.
+// bash, help and the manual page list the same options.
 TEST_F(Completion, OffersWhatHelpLists) {
   write("sansmesh.bash", run({"completion", "bash"}).out);
   write("words.bash", kBashWords);

@@ -1,4 +1,4 @@
-// What people start another program for: formats, moves, choices, parts.
+// Tests of `convert`: formats, moves, selections, parts.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A cube of that edge at a corner; each of its faces has four corners of its own.
+/// Adds a cube with that edge at a corner; each face has its own four vertices.
 void add_cube(TriangleMesh& mesh, const Vec3f& corner, float edge) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const float side : {0.0f, 1.0f}) {
@@ -35,7 +35,7 @@ void add_cube(TriangleMesh& mesh, const Vec3f& corner, float edge) {
     }
 }
 
-/// With attributes of several types.
+/// Cubes with attributes of several types.
 TriangleMesh cubes(std::size_t count = 1) {
   TriangleMesh mesh;
   for (std::size_t k = 0; k < count; ++k)
@@ -53,7 +53,7 @@ TriangleMesh cubes(std::size_t count = 1) {
   return mesh;
 }
 
-/// A survey of 500 points with all that LAS knows.
+/// A survey of 500 points with all fields of LAS.
 LasFile survey() {
   LasFile las;
   las.format = 7, las.offset = {637000, 849000, 400};
@@ -66,7 +66,7 @@ LasFile survey() {
   return las;
 }
 
-/// Largest distance between samples of the same number, in the coordinates of the files.
+/// Largest distance between samples with the same index, in the coordinates of the files.
 double apart(const PointSet& a, const PointSet& b) {
   double most = a.size() == b.size() ? 0 : 1e300;
   for (std::size_t i = 0; most < 1e300 && i < a.size(); ++i)
@@ -91,8 +91,9 @@ TEST_F(Convert, SurveysKeepEverythingThroughFormatsWithRoom) {
   std::string before = "a.las";
   for (const char* next : {"b.ply", "c.pcd", "d.vtp", "dd.las", "e.csv", "f.ply.gz"}) {
     const Outcome outcome = convert({before, "-o", next});
-    if (before == "a.las") {  // what the reader has no place for, and nothing else
-      EXPECT_NE(outcome.err.find("not read, there is no place for it: scan directions"), std::string::npos)
+    if (before == "a.las") {  // only the parts that the reader cannot hold
+      EXPECT_NE(outcome.err.find("not read, since meshes and clouds cannot hold it: scan directions"),
+                std::string::npos)
           << outcome.err;
     } else {
       EXPECT_EQ(outcome.err, "") << next;
@@ -130,7 +131,7 @@ TEST_F(Convert, OneWarningSaysWhatAFormatCannotHold) {
   const Json json = json_of({"convert", "a.ply", "-o", "a.off"});
   EXPECT_EQ(json["left_out"], (Json{"gps_time", "label", "patch of triangles"}));
   EXPECT_EQ(json["warnings"].size(), 1u);
-  // And what a reader has no place for.
+  // Parts that a reader cannot hold.
   write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
   EXPECT_NE(convert({"t.obj", "-o", "t.ply"}).err.find("texture coordinates, materials"), std::string::npos);
 }
@@ -181,7 +182,7 @@ TEST_F(Convert, WeldCropAndSplit) {
   EXPECT_EQ(json["outputs"][1099]["triangles"], 12);
   EXPECT_NEAR(measure_size(read_mesh(path("part_0001.ply"))).volume, std::pow(1.006, 3), 5e-4);
   EXPECT_EQ(read_mesh(path("part_1100.ply")).triangle_attributes.find("patch")->rows(), 12u);
-  // Faces of one cube that share no vertex are parts, too: --min-size leaves them out.
+  // Faces of one cube that share no vertex are also parts: --min-size drops them.
   expect_failures(
       {{{"convert", "a.ply", "-o", "q.ply", "--split", "--min-size", "3"}, 1, {"6,600 parts", "3 triangles"}}});
 
@@ -216,7 +217,7 @@ TEST_F(Convert, CloudsAreThinnedSplitMergedAndChosen) {
   convert({"both.ply", "both.ply", "-o", "once.ply", "--weld", "0", "--drop", "source,intensity"});
   EXPECT_EQ(read_points(path("once.ply")).size(), 2 * n);
   EXPECT_FALSE(read_points(path("once.ply")).attributes.find("source"));
-  // Onto itself.
+  // The output may replace the input.
   convert({"once.ply", "-o", "once.ply", "--point-count", "3"});
   EXPECT_EQ(read_points(path("once.ply")).size(), 3u);
 }

@@ -68,7 +68,7 @@ TEST_F(Csg, ErrorsAreOneLine) {
   });
 }
 
-/// However deep the expression is, and however many parts it has.
+/// Also for deep expressions and for many parts.
 TEST_F(Csg, InterruptsAreHeardWithinHalfASecond) {
   SANSMESH_NOT_SANITIZED("judges time");
   std::string turns = "box(1)", balls = "sphere(.1)";
@@ -78,12 +78,12 @@ TEST_F(Csg, InterruptsAreHeardWithinHalfASecond) {
              std::to_string(0.7 * std::sin(1.7 * k)) + "))";
   using Clock = std::chrono::steady_clock;
   for (const auto& [text, delay] : {std::pair(turns, 300), std::pair(balls, 1000)}) {
-    double best = 1e9;  // other work may keep the tool waiting
+    double best = 1e9;  // other load may delay the tool
     for (int attempt = 0; attempt < 3 && best > 0.5; ++attempt) {
       const Clock::time_point begin = Clock::now();
       const Outcome outcome = run({"csg", text, "-o", "a.ply", "--preview", "a.png"}, SIGTERM, delay);
       best = std::min(best, std::chrono::duration<double>(Clock::now() - begin).count() - 0.001 * delay);
-      // One that is hardly loaded yet is killed.
+      // A process that is still starting is killed by the signal.
       EXPECT_TRUE(outcome.code == 130 || outcome.code == 1000 + SIGTERM) << outcome.code << ": " << outcome.err;
       EXPECT_EQ(listing(), std::vector<std::string>{});
     }

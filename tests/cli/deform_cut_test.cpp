@@ -45,7 +45,7 @@ TEST_F(DeformCutTool, MeshesPartAndAreClosedAgain) {
   EXPECT_EQ(open["deformation"]["damping"], 5);
   EXPECT_EQ(measure_topology(read_mesh(path("o.ply"))).boundary_loops, 1u);
 
-  // Two cuts, one a mesh and one that does not reach it.
+  // Two cuts: a mesh, and one that does not intersect the input.
   TriangleMesh sheet;
   sheet.vertices = {{-0.1f, -2, 0.01f}, {2, -2, 0.01f}, {2, 2, 0.01f}, {-0.1f, 2, 0.01f}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -64,7 +64,7 @@ TEST_F(DeformCutTool, SolidsCloudsAndVolumes) {
   EXPECT_TRUE(solid["output"]["closed"]);
   const auto whole =
       json_of({"deform", "sphere(0.9)", "--handles", "open.json", "-o", "whole.ply", "--resolution", "24"});
-  EXPECT_GT(solid["output"]["area"], 1.1 * whole["output"]["area"].get<double>());  // two faces more
+  EXPECT_GT(solid["output"]["area"], 1.1 * whole["output"]["area"].get<double>());  // two additional faces
 
   write("cloud.xyz", "0.8 0 0.05\n0.8 0 -0.05\n-0.8 0 0.05\n");
   ASSERT_EQ(run({"deform", "cloud.xyz", "--handles", "open.json", "--cut", kSlot, "-o", "moved.xyz"}).code, 0);
@@ -85,7 +85,7 @@ TEST_F(DeformCutTool, BadCutsAreNamed) {
       {"half-plane(0,0,0; 0,0,1)", "a half-plane is a point of its edge"},
       {"half-plane(0,0,0; 0,0,1; 0,0,2)", "not along its normal"},
       {"half-plane(0,0,0; 0,0,one; 1,0,2)", "'0,0,one' is not x,y,z"},
-      {"polygon(0,0,0; 1,0,0)", "three are the least"},
+      {"polygon(0,0,0; 1,0,0)", "at least three are needed"},
       {"polygon(0,0; 1,0,0)", "is not x,y,z"},
       {"polygon(0,0,0; 1,0,0; 0,1,0", "no ')' at its end"},
       {"plane(0,0,1)", "neither half-plane"},

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Eight corners of a cube about the origin that turn about the z axis, and move, as one body.
+/// Eight corners of a cube about the origin that rotate about the z axis and move as one body.
 std::string body_handles(double half, double degrees, double along) {
   Json list = Json::array();
   const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
@@ -25,7 +25,7 @@ std::string body_handles(double half, double degrees, double along) {
   return Json{{"handles", list}}.dump();
 }
 
-/// The upper four corners turn against the lower ones.
+/// The upper four corners rotate against the lower ones.
 std::string twist_handles() {
   Json list = Json::array();
   for (int i = 0; i < 8; ++i) {
@@ -66,7 +66,7 @@ TEST_F(DeformTool, CutsFunctionsOutAfterTheyAreDeformed) {
   EXPECT_TRUE(json["output"]["closed"]);
   EXPECT_NEAR(json["output"]["volume"].get<double>(), 8, 0.8);
   EXPECT_EQ(json["output"]["folded"], 0);
-  // A rigid motion leaves areas alone.
+  // A rigid motion preserves areas.
   const Json section = json_of({"deform", "sphere(1)", "--handles", "body.json", "-o", "s.svg", "--plane", "z=0"});
   EXPECT_NEAR(section["output"]["sections"][0]["area"].get<double>(), kPi, 1e-3);
   EXPECT_NE(slurp(path("s.svg")).find("<svg"), std::string::npos);
@@ -91,7 +91,7 @@ TEST_F(DeformTool, PosesGoFromBeforeToAfter) {
                  last = read_points(path("f_002.ply"));
   EXPECT_LT(norm(first.origin + Vec3(first.positions[0]) - Vec3{0.5, 0, 0}), 1e-6);
   EXPECT_LT(norm(last.origin + Vec3(last.positions[0]) - Vec3{3, 0.5, 0}), 1e-6);
-  // A quarter turn whose axis goes through (1.5, 1.5): half of it lies on the arc, not on the straight way.
+  // A quarter rotation about an axis through (1.5, 1.5): half of it is on the arc, not on the straight line.
   const double r = std::hypot(1.5 - 0.5, 1.5);
   EXPECT_NEAR(norm(half.origin + Vec3(half.positions[0]) - Vec3{1.5, 1.5, 0}), r, 1e-5);
 }
@@ -121,7 +121,7 @@ TEST_F(DeformTool, ResamplesAndDrawsVolumes) {
   EXPECT_NEAR(json["output"]["inside"].get<double>(), 1, 1e-9);
   const GridData data = read_volume(path("wide.nrrd"));
   const Attribute& values = data.blocks[0].point_arrays[0];
-  // In the middle 7, and twice as far along x as much less as before.
+  // 7 in the centre; at twice the distance along x, the decrease is the same as before.
   EXPECT_NEAR(values.number(16 + 33 * (8 + 17 * 8)), 7, 0.1);
   EXPECT_NEAR(values.number(24 + 33 * (8 + 17 * 8)), 3, 0.1);
   EXPECT_NEAR(values.number(16 + 33 * (12 + 17 * 8)), 3, 0.1);
@@ -134,7 +134,7 @@ TEST_F(DeformTool, ResamplesAndDrawsVolumes) {
 }
 
 TEST_F(DeformTool, FoldsAreToldWithTheRemedy) {
-  // Two neighbours change places.
+  // Two neighbours exchange positions.
   write("cross.csv",
         "0,0,0,1,0,0\n1,0,0,0,0,0\n0,1,0,0,1,0\n1,1,0,1,1,0\n0,0,1,0,0,1\n1,0,1,1,0,1\n0,1,1,0,1,1\n1,1,1,1,1,1\n");
   const Outcome o = run({"deform", "box(from=(0,0,0), to=(1,1,1))", "--handles", "cross.csv", "-o", "c.ply",

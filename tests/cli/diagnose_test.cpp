@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 class DiagnoseCommand : public ToolTest {
  protected:
-  /// A sphere with a small cluster of strays beside it.
+  /// A sphere with a small cluster of stray samples beside it.
   void fit_scan() const {
     write_points(path("scan.ply"), joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
     ASSERT_EQ(run({"fit", "scan.ply", "-o", "scan.smf"}).code, 0);
@@ -71,7 +71,7 @@ TEST_F(DiagnoseCommand, ListsEveryPlaceOrSaysHowManyMore) {
   EXPECT_NE(some.out.find("and 2 more: --places 7 lists all"), std::string::npos) << some.out;
   EXPECT_NE(some.out.find("; step 1\n"), std::string::npos) << some.out;
 
-  // Pictures of them: a sheet, or a file each.
+  // Pictures of the regions: a sheet, or one file each.
   const auto size_of = [&](const std::string& name) {
     const std::string png = slurp(path(name));
     EXPECT_EQ(png.substr(1, 3), "PNG") << name;

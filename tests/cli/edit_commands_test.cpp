@@ -1,4 +1,4 @@
-// sansmesh edit, and sansmesh mesh in a box or coarser.
+// Tests of `edit`, and of `mesh` in a box or with a coarser depth.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -70,7 +70,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   EXPECT_TRUE(measure_topology(after).closed());
   EXPECT_EQ(after.triangles.size(), json["mesh"]["triangles"].get<std::size_t>());
 
-  // What was written is the edited function: meshed from the start it has the same extent, and its history is kept.
+  // The written file is the edited function: meshing it from scratch gives the same extent, and it keeps its history.
   const Outcome words = run({"edit", "new.smf", "--script", "edits.json", "--mesh-output", "again.ply"});
   ASSERT_EQ(words.code, 0) << words.err;
   EXPECT_NE(words.out.find("step 1: degree 1 in"), std::string::npos) << words.out;
@@ -78,7 +78,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   EXPECT_NE(words.out.find("again.ply: "), std::string::npos) << words.out;
   EXPECT_TRUE(measure_topology(read_mesh(path("again.ply"))).closed());
 
-  // A mesh of something else is not trusted.
+  // A mesh of another function is rejected.
   write_mesh(path("other.ply"), read_mesh(path("new.ply")));
   ASSERT_EQ(run({"mesh", "owl.smf", "-o", "other.ply", "--block-depth", "4"}).code, 0);
   const Json anew =
@@ -88,7 +88,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
       << anew["update"]["why"];
   const Outcome said =
       run({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
-  EXPECT_NE(said.out.find("all made anew: of the triangles"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("all new: of the triangles"), std::string::npos) << said.out;
   EXPECT_TRUE(measure_topology(read_mesh(path("x.ply"))).closed());
 }
 
@@ -153,7 +153,7 @@ TEST_F(EditCommands, ErrorsAreOneLineAndWriteNothing) {
        {"cloud.ply", "no triangles"}},
       {{"edit", "ball.smf", "--script", "good.json", "--mesh-output", "x.ply", "--mesh", "other.ply"},
        1,
-       {"other.ply: is not a mesh of ball.smf", "0 of its"}},
+       {"other.ply: is not a mesh of ball.smf", ": 0 of "}},
       {{"edit", "ball.smf", "--script", "good.json"}, 2, {"nothing to write"}},
       {{"edit", "ball.smf", "--script", "good.json", "-o", "x.smf", "--mesh", "cloud.ply"}, 2, {"--mesh-output"}},
       {{"edit", "ball.smf", "-o", "x.smf"}, 2, {"--script"}},

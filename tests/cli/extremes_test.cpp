@@ -1,4 +1,4 @@
-// Lengths far from 1: what is computed is right, up to limits beyond which one line says so.
+// Tests of lengths far from 1: results are right, up to limits that one line reports.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A spiral around the unit sphere, times `size`.
+/// A spiral around a sphere with radius `size`.
 std::string sphere_cloud(double size) {
   std::string text;
   for (int i = 0; i < 300; ++i) {
@@ -30,7 +30,7 @@ std::string cube_mesh(double size) {
          "3 0 2 3\n3 0 3 1\n3 4 5 7\n3 4 7 6\n3 0 1 5\n3 0 5 4\n3 2 6 7\n3 2 7 3\n3 0 4 6\n3 0 6 2\n3 1 3 7\n3 1 7 5\n";
 }
 
-/// x + 2 y + 4 z in steps, on a lattice of 4 × 4 × 4 points with that spacing.
+/// Quantised x + 2 y + 4 z on a lattice of 4 × 4 × 4 points with that spacing.
 std::string linear_volume(double spacing) {
   std::string text = fmt::format(
       "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementSpacing = {0:g} {0:g} {0:g}\n"
@@ -116,9 +116,10 @@ TEST_F(Extremes, WhatIsWrittenIsRead) {
   }
   write("in.off", cube_mesh(1));
   write("h.txt", "0 0 0 0 0 0\n1 0 0 1e30 0 0\n0 1 0 0 1 0\n0 0 1 0 0 1\n");
-  expect_failures({{{"deform", "in.off", "-o", "d.ply", "--handles", "h.txt"}, 1, {"d.ply: would reach out to"}},
-                   {{"csg", "sphere(2e18)", "-o", "s2.ply"}, 2, {"reaches out to 2e+18"}},
-                   {{"csg", "sphere(1e-13)", "-o", "s2.ply"}, 1, {"2e-13 across: too small"}}});
+  expect_failures(
+      {{{"deform", "in.off", "-o", "d.ply", "--handles", "h.txt"}, 1, {"d.ply: would have coordinates up to"}},
+       {{"csg", "sphere(2e18)", "-o", "s2.ply"}, 2, {"reaches out to 2e+18"}},
+       {{"csg", "sphere(1e-13)", "-o", "s2.ply"}, 1, {"2e-13 across: too small"}}});
   EXPECT_FALSE(std::filesystem::exists(path("d.ply")));
 }
 
@@ -147,7 +148,7 @@ TEST_F(Extremes, OptionsBeyondAllMeasureAreErrors) {
                    {picture({"--look-at", "0,0,0", "--look-radius", "1e-300"}), 2, {"--look-radius"}},
                    {{"csg", "sphere(1e-44)", "-o", "s.ply"}, 1, {"2e-44 across"}},
                    {{"csg", "sphere(1e300)", "-o", "s.ply"}, 2, {"reaches out to 1e+300"}},
-                   {{"convert", "in.off", "-o", "c.ply", "--scale", "1e-40"}, 1, {"shrinks everything"}},
+                   {{"convert", "in.off", "-o", "c.ply", "--scale", "1e-40"}, 1, {"shrinks all lengths"}},
                    {{"convert", "in.off", "-o", "c.ply", "--scale", "1e300"}, 1, {"beyond 1e18"}}});
 }
 

@@ -1,4 +1,5 @@
-// The tool speaks of options as its users type them, whatever the library calls them; and it knows all surfaces.
+// Tests of option names in messages: the flags of the command instead of the fields of the library.
+#include <iterator>
 #include <regex>
 #include <sstream>
 
@@ -15,7 +16,7 @@ using Json = nlohmann::json;
 
 class Flags : public ToolTest {
  protected:
-  /// The flags that a command's help knows.
+  /// Flags in a command's help.
   std::vector<std::string> known(const std::string& command) const {
     const std::string help = run({command, "--help-all"}).out;
     const std::regex flag("--[a-z][a-z-]*");
@@ -25,101 +26,73 @@ class Flags : public ToolTest {
   }
 };
 
+/// Words between blanks.
+std::vector<std::string> words_of_line(const std::string& line) {
+  std::istringstream in(line);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// Options of surfaces: out of range, and of other methods.
+const std::vector<std::string> kOfSurfaces = {"--smoothing 99",
+                                              "--bandwidth -1",
+                                              "--bandwidth 1e9",
+                                              "--order 4",
+                                              "--iterations 4",
+                                              "--diffusion soft",
+                                              "--epsilon 0.8",
+                                              "--normal iterated",
+                                              "--polynomial 3",
+                                              "--flow free",
+                                              "--diffusion-threshold 2",
+                                              "--tau 1",
+                                              "--reference-plane nonlinear"};
+
+/// Commands, each with options that it rejects.
+const std::pair<const char*, std::vector<std::string>> kMistyped[] = {
+    {"reconstruct ball.ply -o x.ply",
+     {"--depth 40", "--error -1", "--support 99", "--degree 0", "--mesh-error 0", "--triangles 3", "--trim -3",
+      "--displacement 2 --no-enhance", "--components 0"}},
+    {"fit ball.ply -o x.smf", {"--depth 1", "--error 1e9"}},
+    {"mesh ball.smf -o x.ply", {"--block-depth 15", "--mesh-error nan", "--box 1,1,1,0,0,0"}},
+    {"render ball.ply -o x.png",
+     {"--width 0", "--antialiasing 9", "--elevation 100", "--azimuth nan", "--point-radius -1",
+      "--reflection 2 --surface apss"}},
+    {"project ball.ply -o x.ply", {"--most-steps 0", "--tolerance 7"}},
+    {"project ball.ply -o x.ply --method lop", {"--radius -1", "--repulsion 0.9"}},
+    {"normals ball.ply -o x.ply", {"--neighbours 2", "--reweightings 99"}},
+    {"curvature ball.ply -o x.ply", {"--tau 9", "--neighbours 2", "--bandwidth -2"}},
+    {"diagnose ball.smf", {"--coverage-below 3", "--error-above -1", "--gradient-above 0"}},
+    {"csg sphere(1) -o x.ply", {"--cell -1", "--resolution 1", "--simplify -1", "--box 1,1,1,0,0,0"}},
+    {"section ball.smf", {"--resolution 1"}},
+    {"compare ball.ply ball.ply", {"--within -1", "--max-distance 0", "--color-range 0"}},
+    {"assess ball.ply ball.ply", {"--samples 0"}},
+    {"reconstruct ball.ply -o x.ply --surface apss", kOfSurfaces},
+    {"render ball.ply -o x.png --surface apss", kOfSurfaces},
+    {"render ball.ply -o x.png --surface apss", {"--rays stored"}},
+    {"reconstruct ball.ply -o x.ply --surface amls", {"--normal iterated"}},
+    {"reconstruct ball.ply -o x.ply --surface partition", {"--sharp", "--no-sheets"}},
+    // Options of the fit with another surface.
+    {"reconstruct ball.ply -o x.ply --surface apss",
+     {"--depth 5", "--error 0.1", "--support 1.3", "--degree 2", "--smooth"}}};
+
 TEST_F(Flags, ErrorsNameWhatWasTyped) {
   SANSMESH_NOT_SANITIZED("dozens of runs that end alike");
   write_points(path("ball.ply"), sphere(300));
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
-  struct Mistyped {
-    std::vector<std::string> command, typed;
-  };
-  const std::vector<std::string> reconstruct{"reconstruct", "ball.ply", "-o", "x.ply"},
-      fit{"fit", "ball.ply", "-o", "x.smf"}, mesh{"mesh", "ball.smf", "-o", "x.ply"},
-      render{"render", "ball.ply", "-o", "x.png"}, project{"project", "ball.ply", "-o", "x.ply"},
-      lop{"project", "ball.ply", "-o", "x.ply", "--method", "lop"}, normals{"normals", "ball.ply", "-o", "x.ply"},
-      curvature{"curvature", "ball.ply", "-o", "x.ply"}, diagnose{"diagnose", "ball.smf"},
-      csg{"csg", "sphere(1)", "-o", "x.ply"}, section{"section", "ball.smf"},
-      compare{"compare", "ball.ply", "ball.ply"}, evaluate{"assess", "ball.ply", "ball.ply"};
-  std::vector<Mistyped> wrong{{reconstruct, {"--depth", "40"}},
-                              {reconstruct, {"--error", "-1"}},
-                              {reconstruct, {"--support", "99"}},
-                              {reconstruct, {"--degree", "0"}},
-                              {reconstruct, {"--mesh-error", "0"}},
-                              {reconstruct, {"--triangles", "3"}},
-                              {reconstruct, {"--trim", "-3"}},
-                              {reconstruct, {"--displacement", "2", "--no-enhance"}},
-                              {reconstruct, {"--components", "0"}},
-                              {fit, {"--depth", "1"}},
-                              {fit, {"--error", "1e9"}},
-                              {mesh, {"--block-depth", "15"}},
-                              {mesh, {"--mesh-error", "nan"}},
-                              {mesh, {"--box", "1,1,1,0,0,0"}},
-                              {render, {"--width", "0"}},
-                              {render, {"--antialiasing", "9"}},
-                              {render, {"--elevation", "100"}},
-                              {render, {"--azimuth", "nan"}},
-                              {render, {"--point-radius", "-1"}},
-                              {render, {"--reflection", "2", "--surface", "apss"}},
-                              {project, {"--most-steps", "0"}},
-                              {project, {"--tolerance", "7"}},
-                              {lop, {"--radius", "-1"}},
-                              {lop, {"--repulsion", "0.9"}},
-                              {normals, {"--neighbours", "2"}},
-                              {normals, {"--reweightings", "99"}},
-                              {curvature, {"--tau", "9"}},
-                              {curvature, {"--neighbours", "2"}},
-                              {curvature, {"--bandwidth", "-2"}},
-                              {diagnose, {"--coverage-below", "3"}},
-                              {diagnose, {"--error-above", "-1"}},
-                              {diagnose, {"--gradient-above", "0"}},
-                              {csg, {"--cell", "-1"}},
-                              {csg, {"--resolution", "1"}},
-                              {csg, {"--simplify", "-1"}},
-                              {csg, {"--box", "1,1,1,0,0,0"}},
-                              {section, {"--resolution", "1"}},
-                              {compare, {"--within", "-1"}},
-                              {compare, {"--max-distance", "0"}},
-                              {compare, {"--color-range", "0"}},
-                              {evaluate, {"--samples", "0"}}};
-  // Options of surfaces: out of range, and of other methods.
-  for (const std::vector<std::string>& typed :
-       {std::vector<std::string>{"--smoothing", "99"}, std::vector<std::string>{"--bandwidth", "-1"},
-        std::vector<std::string>{"--bandwidth", "1e9"}, std::vector<std::string>{"--order", "4"},
-        std::vector<std::string>{"--iterations", "4"}, std::vector<std::string>{"--diffusion", "soft"},
-        std::vector<std::string>{"--epsilon", "0.8"}, std::vector<std::string>{"--normal", "iterated"},
-        std::vector<std::string>{"--reference-plane", "nonlinear"}, std::vector<std::string>{"--polynomial", "3"},
-        std::vector<std::string>{"--flow", "free"}, std::vector<std::string>{"--diffusion-threshold", "2"},
-        std::vector<std::string>{"--tau", "1"}})
-    for (std::vector<std::string> command : {reconstruct, render}) {
-      command.insert(command.end(), {"--surface", "apss"});
-      wrong.push_back({command, typed});
+  const std::regex any("--[a-z][a-z-]*");
+  for (const auto& [command, mistyped] : kMistyped) {
+    const std::vector<std::string> flags = known(words_of_line(command)[0]);
+    for (const std::string& options : mistyped) {
+      const std::string shown = std::string(command) + " " + options;
+      const Outcome outcome = run(words_of_line(shown));
+      EXPECT_EQ(outcome.code, 2) << shown << outcome.err;
+      EXPECT_NE(outcome.err.find(words_of_line(options)[0]), std::string::npos) << shown << outcome.err;
+      EXPECT_EQ(outcome.err.find('`'), std::string::npos) << shown << outcome.err;
+      EXPECT_EQ(outcome.err.find('_'), std::string::npos) << "a name of the library: " << shown << outcome.err;
+      // Messages name only flags of the command.
+      for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), any), end; i != end; ++i)
+        EXPECT_NE(std::find(flags.begin(), flags.end(), i->str()), flags.end()) << shown << outcome.err;
     }
-  wrong.push_back({{"render", "ball.ply", "-o", "x.png", "--surface", "apss"}, {"--rays", "stored"}});
-  wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "amls"}, {"--normal", "iterated"}});
-  for (const char* typed : {"--sharp", "--no-sheets"})
-    wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "partition"}, {typed}});
-  // Options of the fit, of another surface.
-  for (const std::vector<std::string>& typed :
-       {std::vector<std::string>{"--depth", "5"}, std::vector<std::string>{"--error", "0.1"},
-        std::vector<std::string>{"--support", "1.3"}, std::vector<std::string>{"--degree", "2"},
-        std::vector<std::string>{"--smooth"}})
-    wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "apss"}, typed});
-
-  for (const Mistyped& w : wrong) {
-    std::vector<std::string> arguments = w.command;
-    arguments.insert(arguments.end(), w.typed.begin(), w.typed.end());
-    std::string shown;
-    for (const std::string& a : arguments) shown += a + " ";
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 2) << shown << outcome.err;
-    const std::string flag = w.typed[0].substr(0, w.typed[0].find('='));
-    EXPECT_NE(outcome.err.find(flag), std::string::npos) << shown << outcome.err;
-    EXPECT_EQ(outcome.err.find('`'), std::string::npos) << shown << outcome.err;
-    EXPECT_EQ(outcome.err.find('_'), std::string::npos) << "a name of the library: " << shown << outcome.err;
-    // No flag is named that the command does not have.
-    const std::vector<std::string> flags = known(w.command[0]);
-    const std::regex any("--[a-z][a-z-]*");
-    for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), any), end; i != end; ++i)
-      EXPECT_NE(std::find(flags.begin(), flags.end(), i->str()), flags.end()) << shown << outcome.err;
   }
 }
 

@@ -1,4 +1,4 @@
-// Lines of flows from the command line: by formula, of a volume, and of a series in time.
+// Tests of flow lines and surfaces: of formulas, volumes, and series in time.
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -17,7 +17,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// A lattice of 9³ samples in [-1, 1]³ as MetaImage with vectors.
+/// A MetaImage of vectors on a lattice of 9³ samples in [-1, 1]³.
 std::string vector_image(Vec3 (*v)(const Vec3&), const std::string& raw, std::string& bytes) {
   std::vector<float> values;
   for (int k = 0; k < 9; ++k)
@@ -79,10 +79,10 @@ TEST_F(FlowLinesTool, BothDirectionsMakeOneLine) {
   EXPECT_NEAR(rows.front()[3], 4, 1e-4);
   EXPECT_NEAR(rows.back()[2], 4, 1e-4);
   for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_GT(rows[i][1], rows[i - 1][1]);
-  for (const std::vector<double>& row : rows) EXPECT_NEAR(row[2] * row[3], 1, 1e-3);  // x y stays
+  for (const std::vector<double>& row : rows) EXPECT_NEAR(row[2] * row[3], 1, 1e-3);  // x y is constant
 }
 
-/// Two steps, at rest and moving: a particle goes as far as half of the last speed takes it.
+/// Two steps, at rest and moving: a particle moves as far as half of the final speed.
 TEST_F(FlowLinesTool, FilesAreStepsInTime) {
   image("a", [](const Vec3&) { return Vec3{1e-9, 0, 0}; });
   image("b", [](const Vec3&) { return Vec3{0.5, 0, 0}; });
@@ -126,7 +126,7 @@ TEST_F(FlowLinesTool, LinesAreWrittenInEveryFormat) {
     }
 }
 
-/// Pixels that differ much from the first one, and those of them that have a colour.
+/// Number of pixels that differ much from the first one, and of the coloured ones among them.
 std::pair<std::size_t, std::size_t> drawn_and_coloured(const PngPicture& p, std::size_t columns) {
   std::size_t drawn = 0, coloured = 0;
   const auto paper = p.at(0, 0);
@@ -148,7 +148,7 @@ TEST_F(FlowLinesTool, PreviewsShowTheLinesAsTubes) {
     EXPECT_TRUE(std::filesystem::exists(path("l.vtp")));
     return nlohmann::json::parse(outcome.out)["preview"];
   };
-  // A layer is looked at straight, so that a circle is as wide as high; the bar lies within the width.
+  // The view of a layer is perpendicular to it, so a circle is as wide as high; the width includes the bar.
   image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
   auto json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)",
                        "--duration", "6", "--width", "400", "--height", "300", "--tube-radius", "0.02"});
@@ -198,7 +198,7 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   const std::string text = slurp(path("s.ply"));
   for (const std::string name : {"nx", "s", "time", "speed", "front"})
     EXPECT_NE(text.find(" " + name + "\n"), std::string::npos) << name;
-  // A tube, and a cloth.
+  // A tube, and a sheet.
   outcome = surface({"helix", "--seeds", "circle(0,0,0, 0,0,1, 0.5, 60)", "--duration", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 3.14159265, 0.02);
@@ -208,9 +208,9 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 0.25, 1e-3);
 
   for (const auto& [arguments, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"rotation"}, "--seeds is needed"},
+           {{"rotation"}, "--seeds is required"},
            {{"rotation", "--seeds", "box(20)"}, "must be a curve"},
-           {{"rotation", "--seeds", "line(5,0,0, 6,0,0, 9)"}, "lies between"},
+           {{"rotation", "--seeds", "line(5,0,0, 6,0,0, 9)"}, "is between"},
            {{"rotation", "--seeds", "line(0,0,0, 1,0,0, 9)", "--alpha", "0.5"}, "--alpha"}}) {
     const Outcome refused = surface(arguments);
     EXPECT_NE(refused.code, 0);
@@ -243,7 +243,7 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
       4);
   told({"lines", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 seeds outside");
   EXPECT_EQ(told({"lines", "rotation", "--seeds", "mesh(many.ply)"}, "")["output"]["lines"], 5000);
-  // Points twice on the curve are no matter; those on the boundary of the flow are inside.
+  // Repeated points of the curve are allowed; points on the boundary of the flow count as inside.
   const auto ring = told({"surface", "rotation", "--seeds", "curve(gap.csv)", "--particles", "50"}, "1 of 5 seeds");
   EXPECT_NEAR(ring["area"].get<double>(), 0.25 * (1 - 0.25), 1e-3);
   EXPECT_EQ(told({"surface", "rotation", "--seeds", "line(0,0,2, 1,0,2, 20)"}, "")["surface"]["tears"], 0);
@@ -257,10 +257,10 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
   };
   expect_failures({
       {some_lines("points(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
-      {some_lines("points(far.csv)"), 1, {"rotation: no seed lies in the flow"}},
+      {some_lines("points(far.csv)"), 1, {"rotation: no seed is in the flow"}},
       {some_lines("point(0.5,0,0)", "nan"), 2, {"--duration must be finite, not nan"}},
       {surface("curve(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
-      {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve lies in the flow"}},
+      {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve is in the flow"}},
       {surface("curve(equal.csv)"), 1, {"equal.csv: the points of the seed curve coincide"}},
       {surface("curve(one.csv)"), 1, {"one.csv: a seed curve has at least two points"}},
       {surface("loop(equal.csv)"), 1, {"equal.csv: a closed seed curve has at least three points"}},
@@ -281,7 +281,7 @@ TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
     EXPECT_FALSE(std::filesystem::exists(path("x.vtp")));
   };
   refused({path("still.mhd")}, "zero at all seeds");
-  refused({path("points.csv")}, "holds no vectors");
+  refused({path("points.csv")}, "has no vectors");
   refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed lies in the flow");
   refused({"rotation", "--seeds", "line(1,2)"}, "line(ax,ay,az");
   refused({"nowhere"}, "no flow by formula");

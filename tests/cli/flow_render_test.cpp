@@ -1,4 +1,4 @@
-// Pictures of flow surfaces from the command line.
+// Tests of pictures of flow surfaces.
 #include <filesystem>
 #include <string>
 #include <vector>

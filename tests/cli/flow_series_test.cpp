@@ -1,5 +1,4 @@
-// Flows that change in time, of every kind of file that holds a series: particles go where the formula takes them that
-// the steps were sampled from.
+// Tests of unsteady flows in all file formats with time series: particles follow the formula that was sampled.
 #include <fmt/format.h>
 
 #include <bit>
@@ -21,7 +20,7 @@ namespace {
 
 const std::vector<double> kTimes{0, 0.25, 0.5, 0.75, 1};
 
-/// Linear in space, and in time: grids of hexahedra and steps have it exactly.
+/// Linear in space and time, so that hexahedral grids and steps represent it exactly.
 Vec3 spin(const Vec3& x, double t) { return Vec3{-x.y, x.x, 0} * (1 + t); }
 
 std::string list(const std::vector<double>& numbers) { return fmt::format("{}", fmt::join(numbers, " ")); }
@@ -31,7 +30,7 @@ struct Box {
   std::vector<Vec3> points;
   std::vector<std::array<int, 8>> cells;
 
-  /// All points but those at both ends are moved by `shift` along x.
+  /// Moves all points except those at both ends by `shift` along x.
   explicit Box(double shift = 0) {
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < 5; ++j)
@@ -50,7 +49,7 @@ struct Box {
       for (std::size_t c = 0; c < 3; ++c) all.push_back(spin(x, t)[c]);
     return all;
   }
-  /// Of the points, or of vectors at them.
+  /// One component of the points, or of vectors at them.
   static std::vector<double> component(const std::vector<double>& all, std::size_t c) {
     std::vector<double> one;
     for (std::size_t i = c; i < all.size(); i += 3) one.push_back(all[i]);
@@ -97,7 +96,7 @@ std::string grid_step(const Box& box, double t) {
       whole("offsets", offsets), whole("types", types));
 }
 
-/// Numbers with their high byte first, as NetCDF and other formats of old have them.
+/// Big-endian numbers, as in NetCDF and other formats.
 template <class T>
 std::string big(T value) {
   std::string bytes(sizeof(T), '\0');
@@ -106,18 +105,18 @@ std::string big(T value) {
   return bytes;
 }
 
-/// NetCDF, as far as Exodus files of one block need it.
+/// NetCDF, as needed for Exodus files of one block.
 class NetCdf {
  public:
-  std::vector<std::pair<std::string, int>> dimensions;  ///< 0: the records
+  std::vector<std::pair<std::string, int>> dimensions;  ///< 0: the record dimension
   std::string attributes;
   int attribute_count = 0;
   struct Variable {
     std::string name;
     std::vector<int> dimensions;
     int type = 6;
-    std::string attributes;         ///< one
-    std::vector<std::string> data;  ///< whole, or of each record
+    std::string attributes;         ///< a single one
+    std::vector<std::string> data;  ///< all of it, or one entry per record
   };
   std::vector<Variable> variables;
 
@@ -132,7 +131,7 @@ class NetCdf {
 
   std::string bytes(int records) const {
     std::string result;
-    // Once to learn how long the header is.
+    // The length of the header is needed for its own offsets.
     for (std::size_t start = 0; result.empty() || start != header(records, start).size();) {
       start = header(records, start).size();
       result = header(records, start);
@@ -229,7 +228,7 @@ std::string nek_step(double t) {
 
 class FlowSeriesTool : public ToolTest {
  protected:
-  /// Where the rows of a table of lines say a particle is.
+  /// Positions of a particle from the rows of a table of lines.
   std::vector<std::vector<double>> follow(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"flow", "lines"});
     arguments.insert(arguments.end(), {"-o", path("l.csv")});
@@ -250,7 +249,7 @@ class FlowSeriesTool : public ToolTest {
     }
     EXPECT_NEAR(rows.back()[1], 1, 1e-12);
   }
-  /// Files of a step each; their names.
+  /// Writes one file per step and returns the names.
   std::vector<std::string> steps(const std::string& ending, const std::function<std::string(double)>& content) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < kTimes.size(); ++i) {
@@ -286,10 +285,10 @@ TEST_F(FlowSeriesTool, NumberedFilesOfEachKind) {
     data.insert(data.end(), {"--times", times});
     expect_spin(data);
   }
-  // Little memory makes no difference.
+  // A small memory limit makes no difference.
   files.insert(files.end(), {"--times", "0,0.25", "--memory", "0"});
   expect_spin(files);
-  // The other way round, from the last moment.
+  // Backward from the last moment.
   files.insert(files.end(), {"--unsteady", "--direction", "backward", "--seeds", "point(0.5,0,0.25)"});
   const auto rows = follow(files);
   ASSERT_FALSE(rows.empty());
@@ -300,7 +299,7 @@ TEST_F(FlowSeriesTool, NekFilesAreASlab) {
   for (std::size_t i = 0; i < kTimes.size(); ++i) write(fmt::format("eddy0.f{:05}", i + 1), nek_step(kTimes[i]));
   write("eddy.nek5000", "filetemplate: eddy%01d.f%05d\nfirsttimestep: 1\nnumtimesteps: 5\n");
   expect_spin({"eddy.nek5000"}, 0);
-  // A step whose file is damaged has no time.
+  // A damaged step has no time.
   write("eddy0.f00003", "#std");
   const Outcome outcome = run({"flow", "lines", "eddy.nek5000", "--unsteady", "-o", "x.csv"});
   EXPECT_NE(outcome.code, 0);
@@ -321,12 +320,12 @@ TEST_F(FlowSeriesTool, FilesOfVtkAndOthers) {
   const auto grids = steps("vtu", [&](double t) { return grid_step(box, t); });
   write("grids.pvd", collection(grids));
   expect_spin({"grids.pvd"});
-  // Points that go to and fro between the steps: each has vectors of its own.
+  // Points that oscillate between the steps: each step has its own vectors.
   steps("vtu", [&](double t) { return grid_step(Box(0.3 * std::sin(8 * t)), t); });
   expect_spin({"grids.pvd"});
   write("spin.ex2", exodus(box));
   expect_spin({"spin.ex2"});
-  // EnSight, vectors in three blocks of numbers.
+  // EnSight, with vectors in three blocks of numbers.
   const auto lines = [](const std::vector<double>& values) {
     std::string s;
     for (const double v : values) s += fmt::format("{:12.5e}\n", v);
@@ -354,7 +353,7 @@ TEST_F(FlowSeriesTool, FilesOfVtkAndOthers) {
   expect_spin({"spin.case"});
 }
 
-/// A flow that no grid has exactly, sampled in the plane.
+/// A flow that no grid represents exactly, sampled in the plane.
 TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
   if (!has_vtk_readers()) GTEST_SKIP() << "without the module";
   const double pi = std::acos(-1.0);
@@ -391,7 +390,7 @@ TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
     cubic_error = std::max(cubic_error, norm(cubic[i] - exact[i]));
     linear_error = std::max(linear_error, norm(linear[i] - exact[i]));
   }
-  // Steps are a twentieth of the period apart, and the flow tears neighbours apart.
+  // Steps are a twentieth of the period apart, and the flow separates neighbours.
   EXPECT_LT(cubic_error, 5e-3);
   EXPECT_LT(linear_error, 6e-2);
   EXPECT_LT(5 * cubic_error, linear_error);
@@ -413,7 +412,7 @@ TEST_F(FlowSeriesTool, MissingValuesOfLaterStepsAreSaid) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_NE(outcome.err.find("step_2.mha: "), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("9.96921e+36"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("; 1 more step has something of the kind"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("; 1 more step has similar notes"), std::string::npos) << outcome.err;
 }
 
 TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
@@ -442,7 +441,7 @@ TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
     files.insert(files.end(), more.begin(), more.end());
     return files;
   };
-  run({"info", "a.mha"});  // leaves its files of captured output
+  run({"info", "a.mha"});  // creates its files of captured output
   expect_failures({
       {command({"a.mha"}), 1, {"a.mha", "one step in time"}},
       {command({"a.mha", "b.mha", "cut.mha"}), 1, {"cut.mha"}},

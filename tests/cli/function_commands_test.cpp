@@ -1,4 +1,4 @@
-// The commands around function files: fit, mesh, probe, and render of a function.
+// Tests of commands on function files: fit, mesh, probe and render.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,13 +39,13 @@ TEST_F(FunctionCommands, FitMeshEvalRenderTheBundledScan) {
   EXPECT_EQ(measure_topology(made).genus(), 0);
   EXPECT_EQ(slurp(path("owl.png")).substr(1, 3), "PNG");
 
-  // The same mesh as in one go, to the byte. (Others reconstruct this scan under sanitizers.)
+  // The mesh is byte-identical to that of `reconstruct`. (Other tests reconstruct this scan with sanitizers.)
   if (!kAddressSanitizer) {
     ASSERT_EQ(run({"reconstruct", kOwl, "-o", "direct.ply"}).code, 0);
     EXPECT_TRUE(slurp(path("direct.ply")) == slurp(path("owl.ply")));
   }
 
-  // The samples lie on the surface that was fitted to them.
+  // The samples are on the surface fitted to them.
   const Json probed = json_of({"probe", "owl.smf", "--points", kOwl, "-o", "values.csv"});
   EXPECT_EQ(probed["points"], 12442);
   EXPECT_LT(probed["absolute_value"]["mean"].get<double>(), 2 * fit["spacing"].get<double>());
@@ -74,7 +74,7 @@ TEST_F(FunctionCommands, EvalTellsDistanceGradientAndCurvature) {
   EXPECT_EQ(json_of({"probe", "ball.smf", "--at", "0,0,0.5"})["inside"], 1);
   const Outcome words = run({"probe", "ball.smf", "--at", "0,0,1"});
   EXPECT_NE(words.out.find("gradient ("), std::string::npos) << words.out;
-  // However far away.
+  // Also far away.
   const Json far = json_of({"probe", "ball.smf", "--at", "1e30,0,0"});
   EXPECT_TRUE(far["values"][0]["value"].is_number());
   EXPECT_EQ(far["inside"], 0);
@@ -171,7 +171,7 @@ TEST_F(FunctionCommands, ErrorsAreOneLineAndLeaveNothing) {
   });
 }
 
-// Whatever reads the same samples says the same of them.
+// All commands that read the same samples report the same spacing and noise.
 TEST_F(FunctionCommands, SpacingAndNoiseAreThoseOfTheFile) {
   const Json info = json_of({"info", kOwl});
   for (const Json& other : {json_of({"reconstruct", kOwl, "-o", "owl.ply", "--depth", "4"}),

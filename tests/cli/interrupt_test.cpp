@@ -1,4 +1,4 @@
-// Ctrl-C and its like: heard at once wherever a command is, and nothing is left.
+// Tests of Ctrl-C and similar signals: commands stop at once and leave nothing.
 #include <sys/stat.h>
 
 #include <chrono>
@@ -16,12 +16,12 @@
 namespace sansmesh::test {
 namespace {
 
-/// Half a second is promised; machines that test have other things to do, too.
+/// The promise is half a second; the limit allows for other load of the machine.
 constexpr double kSecondsToEnd = kAddressSanitizer || kThreadSanitizer ? 10 : 2;
 
 class Interrupts : public ToolTest {
  protected:
-  /// Before the tool is loaded a signal ends it as it ends any program: /proc says when it has a handler.
+  /// Waits until the tool has its signal handler, as /proc shows; before, a signal ends it like any program.
   static void wait_until_heard(pid_t child, int signal) {
     for (int tries = 0; tries < 3000; ++tries) {
       std::istringstream status(slurp("/proc/" + std::to_string(child) + "/status"));
@@ -31,7 +31,7 @@ class Interrupts : public ToolTest {
     }
     ADD_FAILURE() << "the tool never listens";
   }
-  /// The command hears the signal, says so in a line and leaves the folder as it was.
+  /// The command reports the signal in one line and leaves the folder unchanged.
   void expect_heard(const std::vector<std::string>& arguments, int signal, int delay_ms, int again = 0) {
     std::string shown;
     for (const std::string& a : arguments) shown += a + " ";
@@ -65,7 +65,7 @@ TEST_F(Interrupts, AreHeardInWaitsForPipes) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) expect_heard({"info", "pipe"}, signal, 200);
   expect_heard({"convert", "small.ply", "-o", "out.ply", "--transform", "pipe"}, SIGTERM, 200);
   expect_heard({"deform", "small.ply", "-o", "out.ply", "--handles", "pipe"}, SIGTERM, 200);
-  // Nobody reads; the result waits for somebody.
+  // The pipe has no reader, so the result waits.
   ASSERT_EQ(::mkfifo(path("pipe.ply").c_str(), 0600), 0);
   expect_heard({"convert", "small.ply", "-o", "pipe.ply"}, SIGINT, 300);
 }
@@ -89,7 +89,7 @@ TEST_F(Interrupts, CannotBeListenedToWhereThereAreNoMoreThreads) {
   SANSMESH_NOT_SANITIZED("stacks of any size");
   write_points(path("small.ply"), sphere(1000));
   const Outcome outcome = outcome_of(start({"info", "small.ply", "--threads", "1"}, [] {
-    // No thread gets a stack of this size.
+    // No thread can have a stack of this size.
     const rlimit stack{rlim_t{1} << 47, RLIM_INFINITY};
     ::setrlimit(RLIMIT_STACK, &stack);
   }));

@@ -1,4 +1,4 @@
-// The commands that measure: section, compare, measure.
+// Tests of commands that measure: section, compare, measure.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -110,7 +110,7 @@ TEST_F(MeasureCommands, Measure) {
 
 TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
   SANSMESH_NOT_SANITIZED("compares results; others run these commands");
-  // A vertex for each corner of each triangle; an edge of four triangles; of three; holes; faces turned over.
+  // Separate vertices for each triangle; edges with four and three triangles; holes; reversed faces.
   TriangleMesh soup;
   for (const Triangle& t : octasphere(2).triangles) {
     const auto base = static_cast<std::uint32_t>(soup.vertices.size());
@@ -128,7 +128,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
   holes.triangles.resize(holes.triangles.size() - 10);
   TriangleMesh turned = octasphere(2);
   std::swap(turned.triangles[5][0], turned.triangles[5][1]);
-  // As text, so that nothing is joined when it is written.
+  // As text, so that writing joins no vertices.
   const std::pair<const char*, TriangleMesh> meshes[] = {
       {"soup.off", soup}, {"four.off", four}, {"three.off", three}, {"holes.off", holes}, {"turned.off", turned}};
   for (const auto& [name, mesh] : meshes) {
@@ -150,7 +150,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
     std::size_t open = 0;
     for (const Json& part : measured["components"]) open += part["open_edges"].get<std::size_t>();
     EXPECT_EQ(open, measured["whole"]["open_edges"]);
-    // The same words, too.
+    // The text output is the same, too.
     const std::string words = run({"measure", name}).out, said = run({"assess", name}).out;
     const auto topology_of = [](const std::string& text) {
       const std::size_t at = text.find("closed", text.find("topology"));
@@ -160,7 +160,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
   }
   EXPECT_TRUE(json_of({"info", "soup.off"})["mesh"]["closed"]);
   EXPECT_EQ(json_of({"assess", "three.off"})["topology"]["open_edges"], 3);
-  // What a command says of the mesh that it wrote.
+  // The report of a command on the mesh that it wrote.
   const Json made = json_of({"csg", "box(2) - sphere(1.2)", "-o", "made.ply", "--resolution", "40"});
   const Json measured = json_of({"measure", "made.ply"});
   EXPECT_EQ(made["output"]["components"], measured["component_count"]);
@@ -184,7 +184,7 @@ TEST_F(MeasureCommands, Compare) {
   EXPECT_GT(map.colors[0][2], map.colors[0][0] + 60);
   EXPECT_NE(slurp(path("map.ply")).find("property float quality"), std::string::npos);
 
-  // The same seen on the reference; the sign stays that of the part.
+  // The map on the reference; the sign stays that of the part.
   const Json reversed = json_of({"compare", "small.ply", "large.ply", "--on", "reference"});
   EXPECT_NEAR(reversed["distance"]["mean"].get<double>(), -0.012, 2e-3);
   const Outcome words = run({"compare", "large.ply", "small.ply", "--histogram", "--within", "0.001"});
@@ -192,7 +192,7 @@ TEST_F(MeasureCommands, Compare) {
   EXPECT_NE(words.out.find("within ±0.001"), std::string::npos) << words.out;
   EXPECT_NE(words.out.find("####"), std::string::npos);
 
-  // Points, with normals and without.
+  // Points with and without normals.
   PointSet cloud = sphere(3000);
   write_points(path("cloud.ply"), cloud);
   const Json points = json_of({"compare", "cloud.ply", "large.ply", "-o", "points.csv"});
@@ -243,7 +243,7 @@ TEST_F(MeasureCommands, NoisyFunctionsAreMeasuredWhole) {
     EXPECT_EQ(json["beyond"], 0) << part;
     EXPECT_EQ(json["not_found"], 0) << part;
   }
-  // From far off: too far, which is not the same as nowhere.
+  // Points too far away are distinguished from points without a foot.
   for (Vec3f& p : cloud.positions) p *= 5;
   write_points(path("far.ply"), cloud);
   const Json far = json_of({"compare", "far.ply", "ball.smf"});
@@ -279,7 +279,7 @@ TEST_F(MeasureCommands, OpenMeshesHaveNoVolumeAndSoupsNoOrientation) {
   }
   EXPECT_TRUE(json_of({"assess", "open.ply"})["quality"]["volume"].is_null());
   EXPECT_EQ(json_of({"assess", "open.ply"})["topology"]["oriented"], true);
-  // Faces that touch nowhere.
+  // Faces that do not touch.
   TriangleMesh soup;
   for (std::uint32_t k = 0; k < 5; ++k) {
     const float x = 3 * static_cast<float>(k);

@@ -1,4 +1,4 @@
-// Memory and time follow what a file holds, whatever its header promises and wherever its points lie.
+// Tests that memory and time follow the size of a file, whatever its header claims and wherever its points are.
 #include <zlib.h>
 
 #include <array>
@@ -45,7 +45,7 @@ std::string deflated(const std::string& plain, bool gzip) {
 // ------------------------------------------------------------------------------------- small files, large promises
 
 struct Promise {
-  const char* name;  ///< of the test
+  const char* name;  ///< name of the test
   const char* file;
   std::string content;
 };
@@ -89,7 +89,7 @@ void add_meshes(std::vector<Promise>& all) {
     return ints({1, size, 0, static_cast<std::int32_t>(packed.size())}) + packed + "</AppendedData></VTKFile>";
   };
   all.push_back({"VtpPacked", "a.vtp", head + body + block(0x7fffffff)});
-  // Four arrays at one place, of bytes that do not pack: each is a third of the file.
+  // Four arrays at the same offset, with incompressible bytes: each is a third of the file.
   std::string many = head, noise;
   for (unsigned k = 0; k < 360; ++k) noise += static_cast<char>(k * k * 2654435761u >> 13);
   const std::string unpacked = deflated(noise, false);
@@ -180,14 +180,14 @@ void add_grids(std::vector<Promise>& all) {
                      bytes_of<std::uint64_t>({1, 1000000000, 1, 1000000000}) + "\n$EndNodes\n"});
   all.push_back({"Medit", "a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n1000000000\n0 0 0 0\nEnd\n"});
   all.push_back({"MeditBinary", "a.meshb", ints({1, 2, 3, 20, 3, 4, 0, 1000000000, 0, 0, 0, 0})});
-  // Each list of tetrahedra begins within the one before.
+  // Each list of tetrahedra begins inside the previous one.
   std::string lists = ints({1, 2, 4, 56, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   for (int k = 0; k < 20; ++k) lists += ints({8, 56 + 12 * (k + 1), 1});
   all.push_back({"MeditOverlapping", "a.meshb", lists + std::string(400, '\1')});
   all.push_back({"Tetgen", "a.node", "1000000000 3 0 0\n1 0 0 0\n"});
   all.push_back({"TetgenAttributes", "a.node", "1 3 1000000000 0\n1 0 0 0\n"});
   all.push_back({"Vega", "a.veg", "*VERTICES\n1000000000 3 0 0\n1 0 0 0\n"});
-  // One dimension of a thousand million, and a variable of so many doubles.
+  // A dimension of 10⁹, and a variable with as many doubles.
   const auto netcdf = [](std::initializer_list<std::int32_t> rest) {
     return "CDF\x01" + bytes_of<std::int32_t>({0, 10, 1, 1}, true) + std::string("n\0\0\0", 4) +
            bytes_of<std::int32_t>({1000000000}, true) + bytes_of<std::int32_t>(rest, true);
@@ -248,7 +248,7 @@ void add_vtk(std::vector<Promise>& all) {
 }
 
 void add_own(std::vector<Promise>& all) {
-  // Damaged, too: so small a file of sections holds no function whatever it says.
+  // Also damaged: a file of sections that small cannot contain a function.
   std::string sections = packed({{"META", 1, "{}"}, {"POSITION", 12, ""}});
   put_number<std::uint64_t>(sections, kFileSizeAt, std::uint64_t{1} << 40);
   put_number<std::uint64_t>(sections, kHeaderBytes + kEntryBytes + kEntryBytesAt, std::uint64_t{12} << 36);
@@ -293,7 +293,7 @@ TEST_P(SmallFile, TakesLittleMemoryAndTimeWhateverItPromises) {
 INSTANTIATE_TEST_SUITE_P(Promises, SmallFile, ::testing::ValuesIn(promises()),
                          [](const auto& of) { return std::string(of.param.name); });
 
-/// The header is right, and the message says what is promised and what is there.
+/// The header is valid, and the message has the claimed and the actual size.
 TEST_F(ToolTest, MessagesNameWhatIsPromisedAndWhatIsThere) {
   for (const Promise& p : promises()) {
     if (std::string_view(p.name) == "MetaImagePacked") {
@@ -309,7 +309,7 @@ TEST_F(ToolTest, MessagesNameWhatIsPromisedAndWhatIsThere) {
   }
 }
 
-/// Files that broke something before.
+/// Files that caused failures in earlier versions.
 TEST_F(ToolTest, FilesThatTookAllMemoryAreOneLine) {
   const auto crash = [](const char* name) { return source_file(std::string("tests/data/crashes/") + name); };
   const std::vector<std::tuple<std::string, const char*, const char*>> cases{
@@ -317,7 +317,7 @@ TEST_F(ToolTest, FilesThatTookAllMemoryAreOneLine) {
       {"info", "packed-promise.nrrd", "announces 24,000,000,000 bytes of numbers"},
       {"info", "huge-image.vti", "announces arrays of 8,000,000,000 bytes or more"},
       {"info", "huge-points.vtk", "announces 3,000,000,000 numbers"},
-      {"info", "overlapping-lists.meshb", "among what comes before it"},
+      {"info", "overlapping-lists.meshb", "inside earlier data"},
       {"info", "beyond-float.xyz", "4 of 4 lie farther than 1e+18 from zero"},
       {"reconstruct", "coincident-points.ply.gz", "all points coincide"},
       {"reconstruct", "parts-far-apart.xyz", "the points lie in parts that are 1e+09 apart"}};
@@ -338,7 +338,7 @@ TEST_F(ToolTest, FilesThatTookAllMemoryAreOneLine) {
 
 // ------------------------------------------------------------------------------------------- where points lie
 
-/// A binary PLY of these positions.
+/// A binary PLY with these positions.
 std::string ply_of(const std::vector<std::array<float, 3>>& points) {
   std::string s = ply_header("binary_little_endian", "element vertex " + std::to_string(points.size()) + "\n" + kXyz);
   s.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof points[0]);
@@ -399,7 +399,7 @@ std::string rows_joined(std::size_t n, const std::function<std::string(std::size
   for (std::size_t i = 0; i < n; ++i) all += row(i);
   return all;
 }
-/// Coordinates that are not all the same, nor in order.
+/// Coordinates that are neither all equal nor sorted.
 std::string place_text(std::size_t i) {
   const std::size_t k = i * 7919 % 100003;
   return std::to_string(k % 101) + "." + std::to_string(k % 7) + " " + std::to_string(k % 89) + " " +
@@ -472,7 +472,7 @@ TEST_P(FileOfAnySize, CostsInProportion) {
     of.push_back(run({"info", GetParam().file}));
     ASSERT_EQ(of.back().code, 0) << of.back().err;
   }
-  // From 4 to 16 times 12 more, from 1 to 4 times 3; and what is the same for all. Quadratic would be 16 instead of 4.
+  // From 4 to 16 parts a linear cost grows by a factor of at most 4, a quadratic one by 16; the limit is 8.
   EXPECT_LT(of[2].cpu_seconds, 8 * of[1].cpu_seconds + 0.2);
   EXPECT_LT(of[2].peak_megabytes - of[0].peak_megabytes, 8 * std::max(4l, of[1].peak_megabytes - of[0].peak_megabytes));
 }

@@ -1,4 +1,4 @@
-// Fill values, arrays of nothing but NaN, and values far from 1: right answers or one clear line, never "nan" or "inf".
+// Tests of fill values, arrays of NaN, and values far from 1: right results or one clear line, never "nan" or "inf".
 #include <cmath>
 #include <string>
 #include <utility>
@@ -16,7 +16,7 @@ class MissingValues : public ToolTest {
  protected:
   static std::string crash(const std::string& name) { return source_file("tests/data/crashes/" + name); }
 
-  /// Every command that reads a volume, with `file` in place of DATA.
+  /// Every command that reads a volume, with `file` for DATA.
   static std::vector<Words> commands(const std::string& file) {
     return {{"info", "data", file},
             {"volume", "probe", file, "--at", "0.5,0.5,0.5"},
@@ -34,7 +34,7 @@ class MissingValues : public ToolTest {
     return count;
   }
 
-  /// Value and gradient at a place, by any method.
+  /// Value and gradient at a point.
   std::vector<double> probe(Words arguments) const {
     const auto json = json_of(std::move(arguments));
     const auto& v = json["values"][0];
@@ -59,9 +59,9 @@ TEST_F(MissingValues, FillValuesAreTheSameInEveryCommand) {
   EXPECT_LT(json["arrays"][0]["upper"][0].get<double>(), 10);
   EXPECT_EQ(json["arrays"][0]["not_finite"], 1);
   EXPECT_EQ(json["warnings"].size(), 1u);
-  // The other samples are as near to the function as without it.
+  // The error at the other samples is the same as without the fill value.
   EXPECT_NEAR(probe({"volume", "probe", crash("largest_float.mha"), "--at", "1.5,2,1"})[0], 1.45, 0.1);
-  // The warning goes with the fitted volume.
+  // The fitted volume keeps the warning.
   EXPECT_EQ(lines_with(run({"volume", "probe", "fitted.smv", "--at", "0.5,0.5,0.5"}).err, "usual fill value"), 1u);
 }
 
@@ -70,7 +70,7 @@ TEST_F(MissingValues, UsersSayWhatAFillValueIs) {
   auto json = json_of({"info", "data", file, "--fill-value", "none"});
   EXPECT_EQ(json["arrays"][0]["not_finite"], 0);
   EXPECT_TRUE(json["warnings"].empty());
-  // With it the others are lost in float: an error, or right in double.
+  // With the fill value the other values are lost in float: an error, or right in double.
   const Outcome lost = run({"volume", "render", file, "-o", "x.png", "--fill-value", "none", "--method", "mls-detail"});
   EXPECT_EQ(lost.code, 1);
   EXPECT_EQ(lines_with(lost.err, "(--fill-value), or choose the method linear"), 1u) << lost.err;
@@ -104,13 +104,13 @@ TEST_F(MissingValues, HugeAndTinyValuesHaveRightAnswers) {
     EXPECT_EQ(outcome.code, floats ? 1 : 0) << outcome.err;
     EXPECT_EQ(lines_with(outcome.err, "do not fit into the floats of the result"), floats ? 1u : 0u) << outcome.err;
   }
-  // A plane, wherever the numbers lie.
+  // A plane, at any offset of its values.
   for (const auto& [name, value] :
        {std::pair<std::string, std::string>{"huge_values.csv", "2e300"}, {"tiny_values.csv", "2e-40"}})
     EXPECT_NEAR(
         json_of({"volume", "isosurface", crash(name), "--value", value, "-o", "plane.ply"})["area"].get<double>(),
         std::sqrt(6.0) / 2, 0.02);
-  // A fitted volume knows the scale of its coefficients.
+  // A fitted volume stores the scale of its coefficients.
   ASSERT_EQ(run({"volume", "fit", crash("huge_values.csv"), "--method", "amls", "-o", "huge.smv"}).code, 0);
   EXPECT_EQ(probe({"volume", "probe", "huge.smv", "--at", "0.4,0.3,0.6"}),
             probe({"volume", "probe", crash("huge_values.csv"), "--method", "amls", "--at", "0.4,0.3,0.6"}));
@@ -123,8 +123,7 @@ TEST_F(MissingValues, FlowsOfVectorsThatNoFloatHoldsAreRefused) {
   write("fast.csv", table);
   const Outcome outcome = run({"flow", "lines", "fast.csv", "--array", "v", "-o", "lines.vtp"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(lines_with(outcome.err, "fast.csv: v: vectors of up to 1e+300 are too large to be followed"), 1u)
-      << outcome.err;
+  EXPECT_EQ(lines_with(outcome.err, "fast.csv: v: vectors of up to 1e+300 are too large to trace"), 1u) << outcome.err;
 }
 
 TEST_F(MissingValues, AnArrayWithoutAFiniteValueIsBlamedItself) {

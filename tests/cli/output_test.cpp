@@ -1,4 +1,4 @@
-// Nothing is lost in silence: full disks, closed and broken outputs, and what remains of series.
+// Tests of failing outputs: full disks, closed and broken outputs, and partial series.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -21,7 +21,7 @@ class Outputs : public ToolTest {
     ToolTest::SetUp();
     write_points(path("ball.ply"), sphere(2000));
   }
-  /// Files of that process have at most so many bytes, standard output included.
+  /// Limits the size of files of the process, standard output included.
   static void limit_files(rlim_t bytes) {
     const rlimit limit{bytes, bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -56,7 +56,7 @@ TEST_F(Outputs, ClosedStandardOutputIsNoFileOfTheCommand) {
     EXPECT_EQ(outcome.code, 1) << arguments[0];
     EXPECT_EQ(outcome.err, "sansmesh: standard output: cannot be written (it is closed)\n") << arguments[0];
   }
-  // Closed standard error says nothing, and harms nothing.
+  // A closed standard error is harmless.
   const Outcome outcome = outcome_of(start({"convert", "ball.ply", "-o", "out.ply"}, [] { ::close(2); }));
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(read_points(path("out.ply")).size(), 2000u);
@@ -78,13 +78,13 @@ TEST_F(Outputs, AFileThatIsTooLargeIsAnError) {
   const Outcome outcome =
       outcome_of(start({"convert", "ball.ply", "-o", "out.obj", "--quiet"}, [] { limit_files(10'000); }));
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(outcome.err, "sansmesh: out.obj: cannot be written (it is larger than files may be here, see ulimit -f)\n");
+  EXPECT_EQ(outcome.err, "sansmesh: out.obj: cannot be written (it exceeds the size limit of files, see ulimit -f)\n");
   EXPECT_EQ(listing(), before);
 }
 
 TEST_F(Outputs, AllFilesOfACommandOrNone) {
   const auto before = listing();
-  // The mesh fits, its picture does not.
+  // The mesh fits the limit, its picture does not.
   const Outcome outcome = outcome_of(start({"reconstruct", "ball.ply", "-o", "out.ply", "--triangles", "20",
                                             "--preview", "out.png", "--width", "600", "--height", "600", "--quiet"},
                                            [] { limit_files(6'000); }));
@@ -101,7 +101,7 @@ TEST_F(Outputs, TheResultMayGoToStandardOutput) {
   EXPECT_NE(outcome.err.find("2,000 points"), std::string::npos) << "words go elsewhere: " << outcome.err;
 }
 
-/// `-` is standard input and output, `-.csv` in a format.
+/// `-` is standard input and output, `-.csv` with a format.
 TEST_F(Outputs, FilesMayBeStandardInputAndOutput) {
   const auto piped = [&](const std::vector<std::string>& arguments, const std::string& file) {
     int ends[2];
@@ -129,7 +129,7 @@ TEST_F(Outputs, FilesMayBeStandardInputAndOutput) {
   write("ball.csv", table);
   EXPECT_EQ(piped({"convert", "-.csv", "-o", "again.xyz", "--json"}, "ball.csv").err, "");
   EXPECT_EQ(read_points(path("again.xyz")).size(), 2000u);
-  // A mesh, a function, values of it, a picture.
+  // A mesh, a function, its values, a picture.
   EXPECT_TRUE(piped({"reconstruct", "-", "-o", "-"}, "ball.ply").out.starts_with("ply\n"));
   write("ball.smf", piped({"fit", "-", "-o", "-"}, "ball.ply").out);
   EXPECT_NE(piped({"mesh", "-", "-o", "-.off"}, "ball.smf").out.substr(0, 8).find("OFF"), std::string::npos);
@@ -138,7 +138,7 @@ TEST_F(Outputs, FilesMayBeStandardInputAndOutput) {
   EXPECT_TRUE(piped({"section", "-.smf", "--plane", "z=0", "-o", "-.csv"}, "ball.smf").out.starts_with("plane"));
   EXPECT_TRUE(
       piped({"render", "-", "-o", "-", "--width", "40", "--height", "30"}, "ball.ply").out.starts_with("\x89PNG"));
-  // Words go elsewhere, and so does JSON.
+  // Text and JSON are printed to standard error then.
   EXPECT_NE(piped({"convert", "-", "-o", "-", "--json"}, "ball.ply").err.find("\"schema\""), std::string::npos);
 
   expect_failures({{{"convert", "-", "-", "-o", "x.ply"}, 2, {"only one file can be standard input"}},
@@ -171,7 +171,7 @@ TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
 TEST_F(Outputs, OfASeriesTheFramesAreKeptWhateverTheError) {
   SANSMESH_NOT_SANITIZED("takes more memory than is left");
   write("tet.mesh", kTet);
-  // Meshes come first; there is no room for pictures.
+  // Meshes are written first; the pictures exceed the limit.
   const Outcome outcome =
       outcome_of(start({"simulate", "tet.mesh", "-o", "out.ply", "-o", "out.png", "--duration", "0.4", "--fps", "10",
                         "--width", "16000", "--height", "16000", "--threads", "1"},

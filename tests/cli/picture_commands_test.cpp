@@ -1,4 +1,4 @@
-// Pictures as commands make them: views, parts of pictures, several objects, bars of colours.
+// Tests of pictures by commands: views, crops, several objects, colour bars.
 #include <cmath>
 
 #include "ball_volume.h"
@@ -47,11 +47,11 @@ TEST_F(PictureCommands, ObjectsHideEachOtherAndHaveTheirColors) {
   EXPECT_TRUE(is_blue(picture.at(51, 36))) << "the nearer one";
   EXPECT_TRUE(is_red(picture.at(48 - 22, 36))) << "beside it the other one";
   EXPECT_EQ(picture.at(2, 2)[3], 0);
-  // From behind the small one is not to be seen.
+  // From behind the small ball is hidden.
   std::vector<std::string> behind = with(both, with(kSmallFront, {"--no-legend"}));
   std::replace(behind.begin(), behind.end(), std::string("front"), std::string("back"));
   EXPECT_TRUE(is_red(drawn(behind).at(45, 36)));
-  // Seen through, the one in front lets the other's colour through.
+  // A translucent ball in front shows the colour of the other.
   const auto through =
       drawn(with(both, with(kSmallFront, {"--no-legend", "--opacity", "1", "--opacity", "0.3"}))).at(51, 36);
   EXPECT_GT(through[0], picture.at(51, 36)[0] + 30);
@@ -79,7 +79,7 @@ TEST_F(PictureCommands, ObjectsOfAllKindsStandInOnePicture) {
   EXPECT_EQ(json["objects"][2]["name"], "function.smf");
   EXPECT_EQ(json["output"]["width"], 96);
   const PngPicture picture = drawn(with(arguments, {"--no-legend"}));
-  // Eight wide, the balls lie at a quarter of what is covered, each two wide.
+  // The scene is eight wide; the balls, each two wide, are at a quarter of the frame.
   const double length = 96 * 0.87 / 8;
   const auto at = [&](double x) { return picture.at(static_cast<std::size_t>(48 + x * length), 36); };
   EXPECT_TRUE(is_red(at(-3)));
@@ -107,7 +107,7 @@ TEST_F(PictureCommands, LinesAreTubesBesideOtherObjects) {
       json_of(with({"render", "ball.ply", "lines.vtp", "--color", "green", "--color", "red"}, kSmallFront));
   EXPECT_EQ(json["objects"][1]["kind"], "lines");
   const PngPicture picture = read_png(path("out.png"));
-  // Four wide: the tubes come out of the ball, which hides what is within.
+  // The scene is four wide: the tubes leave the ball, which hides their inner part.
   std::size_t outside = 0, inside = 0;
   for (std::size_t y = 0; y < 72; ++y)
     for (std::size_t x = 0; x < 96; ++x) {
@@ -125,7 +125,7 @@ TEST_F(PictureCommands, ALegendStandsBesideThePicture) {
   const std::vector<std::string> size = {"-o", "out.png", "--width", "300", "--height", "120", "--background", "white"};
   const PngPicture with_list = drawn(with({"render", "a.ply", "b.ply", "--color", "red", "--color", "blue"}, size));
   EXPECT_EQ(with_list.width, 300u);
-  // Its swatches, to the right of the picture, are of the pure colours.
+  // The swatches of the legend, to the right of the picture, have pure colours.
   std::size_t red = 0, blue = 0;
   for (std::size_t y = 0; y < with_list.height; ++y)
     for (std::size_t x = 230; x < with_list.width; ++x) {
@@ -137,7 +137,7 @@ TEST_F(PictureCommands, ALegendStandsBesideThePicture) {
     }
   EXPECT_GT(red, 40u);
   EXPECT_EQ(red, blue);
-  // Without a colour given each has one of its own.
+  // Without given colours, each object has its own.
   const auto json = json_of(with({"render", "a.ply", "b.ply"}, size));
   EXPECT_NE(json["objects"][0]["color"], json["objects"][1]["color"]);
 }
@@ -178,11 +178,11 @@ TEST_F(PictureCommands, TheUnitOfAScaleBarMayBeAWordOfItsOwn) {
   };
   EXPECT_TRUE(picture({"--scale-bar", "mm"}) == picture({"--scale-bar=mm"}));
   EXPECT_FALSE(picture({"--scale-bar", "mm"}) == picture({"--scale-bar"}));
-  // What is no unit is the next input.
+  // A word that is no unit is the next input.
   EXPECT_EQ(run({"render", "-o", "out.png", "--width", "200", "--orthographic", "--scale-bar", "ball.ply"}).code, 0);
 }
 
-/// Bars and lists are in the width that is asked for.
+/// The requested width includes bars and legends.
 TEST_F(PictureCommands, AllAreAsWideAsIsAsked) {
   SANSMESH_NOT_SANITIZED("pictures that other tests draw sanitized");
   write_points(path("ball.ply"), sphere(2000));
@@ -211,7 +211,7 @@ TEST_F(PictureCommands, AllAreAsWideAsIsAsked) {
     EXPECT_EQ(picture.width, 240u) << file;
     EXPECT_EQ(picture.height, 120u) << file;
   }
-  // The parts that are seen are those of the picture, without the bar's paper.
+  // The cropped parts are those of the picture, without the bar's background.
   ASSERT_EQ(run({"deform", kBallFile, "--handles", "still.json", "-o", "m.png", "--crop", "--width", "240", "--height",
                  "120"})
                 .code,
@@ -220,7 +220,7 @@ TEST_F(PictureCommands, AllAreAsWideAsIsAsked) {
 }
 
 TEST_F(PictureCommands, PreviewsLookWhereTheyAreTold) {
-  // A box that is a quarter as wide when it is seen from its end.
+  // A box that is a quarter as wide when seen along its axis.
   const auto widths = [&](const std::vector<std::string>& more) {
     const auto png = drawn(with({"csg", "box(4,1,1)", "-o", "box.ply", "--preview", "out.png", "--width", "120",
                                  "--height", "60", "--crop", "--orthographic"},

@@ -1,4 +1,4 @@
-// Splats, lines and accessibility of `render`: the picture is what the option says.
+// Tests of splats, lines and accessibility of `render`.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -28,7 +28,7 @@ class PictureStyles : public ToolTest {
     return outcome.code == 0 ? read_png(path(frames ? "out_000.png" : "out.png")) : PngPicture{};
   }
 
-  /// Samples of a ball, and with them some that lie about.
+  /// Writes samples of a ball with some stray samples.
   void write_ball_and_strays() const {
     PointSet cloud;
     cloud.positions = cloud.normals = octasphere(4).vertices;
@@ -56,7 +56,7 @@ std::size_t ink_of(const PngPicture& drawing) {
   return ink;
 }
 
-/// How many pixels differ.
+/// Number of pixels that differ.
 std::size_t changed(const PngPicture& a, const PngPicture& b) {
   EXPECT_EQ(a.width, kSide);
   EXPECT_EQ(b.width, kSide);
@@ -66,12 +66,12 @@ std::size_t changed(const PngPicture& a, const PngPicture& b) {
   return pixels;
 }
 
-/// From the middle of the picture.
+/// Distance from the centre of the picture.
 double away(std::size_t x, std::size_t y) {
   return std::hypot(static_cast<double>(x) + 0.5 - kSide / 2.0, static_cast<double>(y) + 0.5 - kSide / 2.0);
 }
 
-/// Linear light over that of a grey.
+/// Linear light relative to that of a grey.
 double light_of(const std::array<int, 4>& p, float gray) {
   const float c = static_cast<float>(p[0]) / 255;
   return static_cast<double>(linear_color({c, c, c}).x / linear_color({gray, gray, gray}).x);
@@ -83,7 +83,7 @@ TEST_F(PictureStyles, LinesOfABallAreARingAtItsSilhouette) {
   write_mesh(path("ball.ply"), octasphere(5));
   const PngPicture ball = drawn("ball.ply", {"--background", "transparent", "--no-shadows"});
   ASSERT_EQ(ball.width, kSide);
-  double area = 0;  // within the silhouette: the shadow on the ground lies outside
+  double area = 0;  // inside the silhouette: the shadow on the ground is outside
   for (std::size_t x = 0; x < kSide; ++x) area += is_covered(ball.at(x, kSide / 2)) ? 1 : 0;
   const double radius = area / 2;
   const PngPicture drawing = drawn("ball.ply", {"--lines", "--background", "white"});
@@ -109,7 +109,7 @@ TEST_F(PictureStyles, LinesOfABallAreARingAtItsSilhouette) {
   EXPECT_GT(darker, 100u);
 }
 
-/// Few samples are drawn as large discs, whose rims are no lines of the ball.
+/// Few samples are drawn as large discs, whose rims must not appear as lines.
 TEST_F(PictureStyles, LinesOfACloudAreThoseOfItsSurface) {
   PointSet cloud;
   cloud.positions = cloud.normals = octasphere(4).vertices;
@@ -164,7 +164,7 @@ TEST_F(PictureStyles, SplatsCoverWhatTheMeshDoes) {
 }
 
 TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
-  // A ball hides nothing of itself: all of it has the light of its own colour. Lit as usual it has not.
+  // A ball does not occlude itself, so all of it has its own colour; with the usual shading it does not.
   write_mesh(path("ball.ply"), octasphere(5));
   std::vector<std::string> open = kGray;
   open.insert(open.end(), {"--accessibility", "--curvature-shading", "0"});
@@ -177,13 +177,13 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
       least = std::min(least, lit.at(x, y)[0]), most = std::max(most, lit.at(x, y)[0]);
     }
   EXPECT_GT(most, least + 40);
-  // Bends of the same sign give light: 1 / radius over that of a ball as large as the reach.
+  // Curvatures of equal sign brighten: 1 / radius relative to a ball as large as the reach.
   std::vector<std::string> bent = kGray;
   bent.insert(bent.end(), {"--accessibility=0.3", "--curvature-shading", "0.5"});
   const double expected = 1 + 0.5 * 2 / std::numbers::pi * std::atan(0.3 * std::sqrt(12.0));
   EXPECT_NEAR(light_of(drawn("ball.ply", bent).at(60, 60), kGrayLevel), expected, 0.05);
 
-  // From the middle of a long channel, as deep as half its width, the walls leave √½.
+  // In the middle of a long channel, half as deep as wide, the walls leave √½ of the light.
   TriangleMesh channel;
   for (const auto& [x, y] : {std::pair{-0.5f, 0.5f}, {-0.5f, 0.0f}, {0.5f, 0.0f}, {0.5f, 0.5f}})
     for (const float z : {-20.0f, 20.0f}) channel.vertices.push_back({x, y, z});
@@ -198,7 +198,7 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
   EXPECT_NEAR(light_of(drawn("channel.ply", deep, "top").at(60, 60), kGrayLevel), std::sqrt(0.5), 0.03);
 }
 
-/// A turntable knows how its object is bent, as a single picture does.
+/// Turntables show curvature like single pictures.
 TEST_F(PictureStyles, FramesHaveBendsAndRidges) {
   write_mesh(path("ball.ply"), octasphere(5));
   const std::vector<std::string> frames = {"--frames", "1"};
@@ -208,7 +208,7 @@ TEST_F(PictureStyles, FramesHaveBendsAndRidges) {
               expected, 0.05);
   EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--curvature-shading", "0"})).at(60, 60), kGrayLevel), 1,
               0.02);
-  // A ring that is higher than wide: seen along its axis its top is a ridge, between the silhouettes.
+  // A ring that is higher than wide: seen along its axis, its top is a ridge between the silhouettes.
   TriangleMesh ring = torus_mesh(120, 60);
   for (Vec3f& p : ring.vertices) p.z *= 2;
   write_mesh(path("ring.ply"), ring);
@@ -231,7 +231,7 @@ TEST_F(PictureStyles, FramesOfACloudHaveTheLinesOfItsSurface) {
   EXPECT_LT(farthest - nearest, 3.5);
 }
 
-/// However points are drawn: as lines of their surface, as discs, as discs of a turntable.
+/// For all ways of drawing points: lines of their surface, discs, and discs of a turntable.
 TEST_F(PictureStyles, OutliersAreLeftOutOfCloudsOfAllKinds) {
   SANSMESH_NOT_SANITIZED("others draw clouds, too");
   write_ball_and_strays();
@@ -256,7 +256,7 @@ TEST_F(PictureStyles, FilesAsOneAreOneObjectHoweverTheyAreDrawn) {
         << how[0];
 }
 
-/// Whatever a picture cannot heed is refused by its name.
+/// Options that do not apply to a picture are rejected by name.
 TEST_F(PictureStyles, NothingIsIgnored) {
   TriangleMesh ball = octasphere(3);
   write_mesh(path("ball.ply"), ball);
@@ -282,7 +282,7 @@ TEST_F(PictureStyles, NothingIsIgnored) {
       failing({"ball.ply", "--opacity", "0.5", "--accessibility"}, {"--accessibility", "--opacity"}),
       failing({"high.ply", "--opacity", "0.5", "--color-by", "height"}, {"--color-by", "--opacity"}),
       failing({"high.ply", "--frames", "2", "--color-by", "height"}, {"--color-by", "--frames"}),
-      // lines alone
+      // lines only
       failing({"ball.ply", "--lines", "--color", "red"}, {"--color", "--lines=over"}),
       failing({"ball.ply", "cloud.ply", "--lines", "--name", "a"}, {"--name", "--lines=over"}),
       failing({"high.ply", "--lines", "--color-by", "height"}, {"--color-by", "--lines=over"}),

@@ -1,4 +1,4 @@
-// The commands around a mesh: align, fill, simplify, smooth.
+// Tests of commands on meshes: align, fill, simplify, smooth.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -30,7 +30,7 @@ TEST_F(RepairCommands, Fill) {
   EXPECT_EQ(filled["output"]["closed"], true);
   EXPECT_TRUE(measure_topology(read_mesh(path("closed.ply"))).closed());
   EXPECT_EQ(json_of({"fill", "open.ply", "-o", "same.ply", "--largest", "0.01"})["left_open"], 1);
-  // Both ends of a tube: left open, with what would close them.
+  // Both ends of a tube are left open, with the option that closes them.
   TriangleMesh tube;
   for (std::uint32_t v = 0; v < 16 * 41; ++v) {
     const double a = 2 * std::numbers::pi * (v % 16) / 16;
@@ -70,7 +70,7 @@ TEST_F(RepairCommands, Simplify) {
   const Json coarsest = json_of({"simplify", "fine.ply", "-o", "coarsest.ply", "--triangles", "20"});
   ASSERT_EQ(coarsest["warnings"].size(), 1u);
   EXPECT_NE(coarsest["warnings"][0].get<std::string>().find("% of the diagonal"), std::string::npos);
-  // Three sheets at an edge: no border is none, and closed is not manifold.
+  // Three sheets at an edge: no border, closed, but not manifold.
   TriangleMesh walls = octasphere(3);
   const auto half = static_cast<std::uint32_t>(walls.vertices.size());
   walls.vertices.push_back({0, 0, 0});
@@ -90,7 +90,7 @@ TEST_F(RepairCommands, Simplify) {
 }
 
 TEST_F(RepairCommands, SimplifyChoosesWhatIsNearer) {
-  // A long thin wedge: triangles with good angles are far too many for it.
+  // A long thin wedge: triangles with good angles would be far too many.
   TriangleMesh wedge;
   constexpr std::uint32_t kRow = 3, kRows = 400;
   for (std::uint32_t k = 0; k < kRows; ++k) {
@@ -179,7 +179,7 @@ TEST_F(RepairCommands, Align) {
     EXPECT_LT(norm(aligned.origin + Vec3(aligned.vertices[v]) - Vec3(mesh.vertices[v])), 1e-3);
     EXPECT_LT(norm(motion(moved.origin + Vec3(moved.vertices[v])) - Vec3(mesh.vertices[v])), 1e-3);
   }
-  // From where that ends nothing is left to do.
+  // A second run from the result has nothing left to do.
   const Json again = json_of({"align", "here.ply", "there.ply", "--start-transform", "motion.txt", "--from", "here"});
   EXPECT_LT(again["alignment"]["moved_rms"], 1e-3);
   EXPECT_NEAR(again["matrix"][0][3].get<double>(), json["matrix"][0][3].get<double>(), 1e-3);
@@ -191,14 +191,14 @@ TEST_F(RepairCommands, Align) {
   EXPECT_NEAR(after["alignment"]["angle_deg"].get<double>(), 10, 0.01);
   expect_failure({"compare", "here.ply", "there.ply", "--from", "here"}, 2, "--align");
 
-  // A picture of both, and a word of what the format has no room for.
+  // A picture of both surfaces, and a warning of parts that the format cannot hold.
   EXPECT_TRUE(json["warnings"].empty());
   EXPECT_EQ(json["output"]["vertices"], mesh.vertices.size());
   EXPECT_EQ(json["output"]["triangles"], mesh.triangles.size());
   const Json bare = json_of({"align", "here.ply", "there.ply", "-o", "aligned.stl", "--preview", "both.png", "--width",
                              "64", "--height", "48"});
   ASSERT_EQ(bare["warnings"].size(), 1u);
-  EXPECT_NE(bare["warnings"][0].get<std::string>().find("aligned.stl has no room for colours"), std::string::npos)
+  EXPECT_NE(bare["warnings"][0].get<std::string>().find("aligned.stl cannot hold colours"), std::string::npos)
       << bare["warnings"];
   EXPECT_EQ(bare["preview"]["file"], "both.png");
   EXPECT_EQ(slurp(path("both.png")).substr(1, 3), "PNG");

@@ -1,4 +1,4 @@
-// Runs the command line tool as a user would, in a folder of its own.
+// Fixture that runs the command line tool in a temporary folder.
 #pragma once
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@ inline const std::string kOwl = source_file("examples/data/owl.vtp");
 struct Outcome {
   int code = -1;
   std::string out, err;
-  long peak_megabytes = 0;  ///< most memory at a time; at least what this process has
+  long peak_megabytes = 0;  ///< peak memory; at least that of this process
   double cpu_seconds = 0;
   long lines_of_error() const { return std::count(err.begin(), err.end(), '\n'); }
 };
@@ -42,7 +42,7 @@ inline std::string slurp(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// Rows of a table of numbers with commas between them, without its header, which goes to `header` if wanted.
+/// Rows of a table of comma-separated numbers without its header, which is stored in `header` if given.
 inline std::vector<std::vector<double>> number_rows(const std::filesystem::path& file, std::string* header = nullptr) {
   std::istringstream text(slurp(file));
   std::string line;
@@ -62,10 +62,10 @@ inline std::vector<std::vector<double>> number_rows(const std::filesystem::path&
 struct Failing {
   std::vector<std::string> arguments;
   int code;
-  std::vector<std::string> parts;  ///< of the message
+  std::vector<std::string> parts;  ///< parts of the message
 };
 
-/// A folder that exists while the test runs.
+/// Temporary folder for one test.
 class ToolTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -85,7 +85,7 @@ class ToolTest : public ::testing::Test {
   void write(const std::string& name, const std::string& content) const {
     std::ofstream(folder_ / name, std::ios::binary) << content;
   }
-  /// Names in the folder, sorted; those of captured output left out.
+  /// Sorted names in the folder, without files of captured output.
   std::vector<std::string> listing() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_))
@@ -95,7 +95,7 @@ class ToolTest : public ::testing::Test {
     return names;
   }
 
-  /// Starts the tool in the folder; `prepare` is called before, in its process.
+  /// Starts the tool in the folder; `prepare` is called first, in its process.
   template <class Prepare>
   pid_t start(const std::vector<std::string>& arguments, Prepare&& prepare) const {
     const std::string out = path("captured-out"), err = path("captured-err");
@@ -105,7 +105,7 @@ class ToolTest : public ::testing::Test {
       const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       ::dup2(o, 1), ::dup2(e, 2);
-      std::signal(SIGINT, SIG_DFL);  // whatever the tests are run by
+      std::signal(SIGINT, SIG_DFL);  // independent of the settings of the test runner
       prepare();
       std::vector<char*> argv{const_cast<char*>(program())};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
@@ -136,7 +136,7 @@ class ToolTest : public ::testing::Test {
     return outcome_of(child);
   }
 
-  /// The object that a command prints with --json; null, and a failure, if it does not.
+  /// The object that a command prints with --json; null and a failure otherwise.
   nlohmann::json json_of(std::vector<std::string> arguments) const {
     arguments.push_back("--json");
     const Outcome outcome = run(arguments);
@@ -144,7 +144,7 @@ class ToolTest : public ::testing::Test {
     return outcome.code == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
   }
 
-  /// Each ends with one printable line that says what is wrong, and leaves the folder as it was.
+  /// Checks that each command fails with one printable line and leaves the folder unchanged.
   void expect_failures(const std::vector<Failing>& failing) const {
     const std::vector<std::string> before = listing();
     for (const Failing& f : failing) {

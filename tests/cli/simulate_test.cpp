@@ -1,4 +1,4 @@
-// Tetrahedra that move, from the command line.
+// Tests of `simulate`.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ class SimulateTool : public ToolTest {
  protected:
   void SetUp() override {
     ToolTest::SetUp();
-    // A bar of 4 × 1 × 1, whose vertices Medit counts from 1.
+    // A bar of 4 × 1 × 1; Medit numbers vertices from 1.
     const TetMesh mesh = box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1);
     std::string text = fmt::format("MeshVersionFormatted 1\nDimension 3\nVertices {}\n", mesh.vertices.size());
     for (const Vec3& p : mesh.vertices) text += fmt::format("{} {} {} 0\n", p.x, p.y, p.z);
@@ -64,7 +64,7 @@ TEST_F(SimulateTool, HangsOnItsFixedVertices) {
 }
 
 TEST_F(SimulateTool, HandlesTurnTheFarEnd) {
-  // A surface that lies in the bar moves with it; vertices of scenes are those of the file.
+  // A surface inside the bar moves with it; vertex numbers in scenes are those of the file.
   write("square.obj", "v 4 0 0\nv 4 1 0\nv 4 1 1\nv 4 0 1\nf 1 2 3\nf 1 3 4\n");
   const Outcome o =
       run({"simulate", "bar.mesh", "--forces", "turn.json", "--embedded-mesh", "square.obj", "-o", "s.obj", "--frames",
@@ -72,7 +72,7 @@ TEST_F(SimulateTool, HandlesTurnTheFarEnd) {
   ASSERT_EQ(o.code, 0) << o.err;
   const TriangleMesh m = read_mesh(path("s_0002.obj"));
   const Vec3 corner = m.origin + Vec3(m.vertices[1]);
-  // (1, 0) about the middle (0.5, 0.5), a quarter turn from y to z.
+  // (1, 0) rotated about the centre (0.5, 0.5) by a quarter turn from y to z.
   EXPECT_NEAR(norm(corner - Vec3{4, 1, 1}), 0, 1e-4);
   EXPECT_EQ(listing(), (std::vector<std::string>{"bar.bou", "bar.mesh", "s_0000.obj", "s_0001.obj", "s_0002.obj",
                                                  "square.obj", "turn.json"}));
@@ -98,8 +98,7 @@ TEST_F(SimulateTool, DrawsFramesAndAnAnimationOfBodiesAndVolumes) {
 
 TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
   if (!has_vtk_readers()) GTEST_SKIP();
-  // The bar is pulled to the right by its own length: so is what is seen of the volume in it, a sheet across its
-  // middle.
+  // The bar is pulled to the right by its own length, so the visible sheet of its volume moves as well.
   write("v.csv", "x,y,z,f\n0,0,0,0\n4,0,0,1\n0,1,0,0\n4,1,0,1\n0,0,1,0\n4,0,1,1\n0,1,1,0\n4,1,1,1\n");
   ASSERT_EQ(run({"volume", "resample", "v.csv", "--size", "12", "--method", "linear", "-o", "v.vti"}).code, 0);
   write("pull.json", R"({"gravity": 0, "handles": {"on": {"box": {"lower": [-1, -1, -1], "upper": [9, 9, 9]}},
@@ -120,7 +119,7 @@ TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
     EXPECT_GT(count, 3) << file;
     return sum / std::max(count, 1.0);
   };
-  // The camera sees 8 units in rather less than 160 pixels.
+  // The camera shows 8 units in somewhat less than 160 pixels.
   const double moved = red_column("b_0001.png") - red_column("b_0000.png");
   EXPECT_GT(moved, 45);
   EXPECT_LT(moved, 90);
@@ -140,7 +139,7 @@ TEST_F(SimulateTool, WarnsOfBodiesThatBeginWithinObstacles) {
   const Outcome o = run(
       {"simulate", "bar.mesh", "--forces", "in.json", "--energies", "e.csv", "--frames", "2", "--duration", "0.02"});
   EXPECT_EQ(o.code, 0);
-  EXPECT_NE(o.err.find("1 vertex begins within an obstacle"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("1 vertex starts within an obstacle"), std::string::npos) << o.err;
 }
 
 TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
@@ -159,7 +158,7 @@ TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--unit", "1e300"}, 2, {"--unit"}},
   });
   EXPECT_EQ(listing(), before);
-  // Frames have names that nobody typed.
+  // Generated names of frames.
   ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--duration", "0.02"}).code, 0);
   expect_failures({{{"simulate", "bar.mesh", "--embedded-mesh", "a_0000.ply", "-o", "a.ply", "--frames", "2"},
                     1,
@@ -190,7 +189,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
   write("twice.json", R"({"fixed": [1, 2], "handles": {"on": [2, 3], "move": [1, 0, 0]}})");
   write("cut.mesh", slurp(path("bar.mesh")).substr(0, 300));
   expect_failures({
-      {{"simulate", "bar.mesh"}, 2, {"nothing would be written"}},
+      {{"simulate", "bar.mesh"}, 2, {"nothing to write"}},
       {{"simulate", "none.mesh", "-o", "a.ply"}, 1, {"none.mesh: no such file"}},
       {{"simulate", "flat.mesh", "-o", "a.ply"}, 1, {"flat.mesh: cell 0 (counted from 0) has no volume"}},
       {{"simulate", "cut.mesh", "-o", "a.ply"}, 1, {"cut.mesh: ", "truncated"}},
@@ -203,7 +202,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "unknown.json"}, 1, {"unknown.json: unknown key 'gravty'"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "nowhere.json"},
        1,
-       {"nowhere.json: fixed: no vertex lies there"}},
+       {"nowhere.json: fixed: no vertex is there"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "broken.json"}, 1, {"broken.json: is not JSON"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "twice.json"},
        1,
@@ -212,12 +211,10 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--integrator", "explicit-euler", "--damping", "0"},
        2,
        {"explicit-euler is not stable"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"},
-       2,
-       {"only two can be given"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"}, 2, {"only two of"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--embedded-volume needs pictures"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},
-      // Explicit and much too long: it explodes.
+      // An explicit step far beyond the stability limit: the body explodes.
       {{"simulate", "bar.mesh", "-o", "a.ply", "--fixed", "bar.bou", "--integrator", "explicit-euler", "--longest-step",
         "0.04", "--young", "1e8"},
        1,

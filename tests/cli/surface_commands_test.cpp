@@ -1,4 +1,4 @@
-// The commands that need no mesh: project, curvature, render --surface; and reconstruct --surface.
+// Tests of commands without meshes: project, curvature, render --surface; and of reconstruct --surface.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -99,7 +99,7 @@ TEST_F(SurfaceCommands, ProjectSpreadsNewPoints) {
     EXPECT_NEAR(json["output"]["points"].get<double>(), count, 0.1 * count);
     EXPECT_LT(off_sphere(read_points(path("even.xyz"))), 2e-3) << method;
   }
-  // The method that suits the samples, by itself; options that only others heed bring theirs.
+  // The recommended method by default; options that only other surfaces use select one of them.
   write_sphere("noisy.ply", 3000, 0.02, 1);
   EXPECT_EQ(json_of({"project", "noisy.ply", "-o", "smooth.ply"})["method"], "partition");
   EXPECT_LT(off_sphere(read_points(path("smooth.ply"))), 0.3 * 0.02);
@@ -143,7 +143,7 @@ TEST_F(SurfaceCommands, CurvatureOfASphere) {
 }
 
 TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
-  // Flat triangles between few vertices: samples of these would say that nothing is curved.
+  // Flat triangles between few vertices: samples on the triangles would have no curvature.
   TriangleMesh coarse = octasphere(2);
   coarse.attributes.set("number", std::vector<float>(coarse.vertices.size(), 7));
   write_mesh(path("coarse.ply"), coarse);
@@ -396,14 +396,14 @@ TEST_F(SurfaceCommands, BadInputIsOneLineAndLeavesNothing) {
         {"render", file, "-o", "out.png", "--surface", "apss"},
         {"render", file, "-o", "out.png", "--surface", "curvature", "--frames", "2", "--quick"},
         {"reconstruct", file, "-o", "out.ply", "--surface", "apss"}};
-    // Consolidation needs no surface: it takes planes and single points.
+    // Consolidation needs no surface: it accepts planes and single points.
     if (file != std::string("plane.xyz") && file != std::string("one.xyz"))
       commands.push_back({"project", file, "-o", "out.ply", "--method", "lop"});
     for (const auto& command : commands) {
       const Outcome outcome = run(command);
       EXPECT_EQ(outcome.code, 1) << command[0] << " " << file << ": " << outcome.err;
       EXPECT_EQ(outcome.out, "") << command[0];
-      std::string last = outcome.err;  // warnings may come before
+      std::string last = outcome.err;  // warnings may precede it
       while (std::count(last.begin(), last.end(), '\n') > 1) last.erase(0, last.find('\n') + 1);
       EXPECT_EQ(last.find("sansmesh: "), 0u) << outcome.err;
       EXPECT_NE(last.find(file), std::string::npos) << command[0] << ": " << outcome.err;

@@ -1,4 +1,4 @@
-// Surveys as they come: tiles, classes of points, coordinates of a thousand kilometres in millimetres.
+// Tests of surveys: tiles, classes of points, coordinates of a thousand kilometres in millimetres.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -20,7 +20,7 @@ const Vec3 kCenter{1234567.891, 5432109.877, 321.005};
 
 class SurveyCommands : public ToolTest {
  protected:
-  /// Two tiles that overlap: a ball's surface of class 2, with strays of class 7 around it in the first one.
+  /// Writes two overlapping tiles: a ball of class 2, with stray samples of class 7 around it in the first.
   void write_tiles() const {
     LasFile west{.format = 6, .offset = {1234000, 5432000, 0}}, east{.format = 1, .offset = {1230000, 5430000, 100}};
     const auto put = [](LasFile& tile, const Vec3& x, unsigned number) {
@@ -62,7 +62,7 @@ TEST_F(SurveyCommands, TilesAndClassesMakeOneSurface) {
   EXPECT_EQ(measure_topology(mesh).components, 1u);
   EXPECT_LT(off_the_ball(mesh), 0.01 * kRadius);
 
-  // To leave the strays out comes to the same.
+  // Dropping the stray samples gives the same result.
   const Json json = json_of({"reconstruct", "west.las", "east.las", "--without-class", "noise", "-o", "again.ply"});
   EXPECT_EQ(slurp(path("again.ply")), slurp(path("ball.ply")));
   EXPECT_EQ(json["input"]["files"], (Json{"west.las", "east.las"}));
@@ -86,7 +86,7 @@ TEST_F(SurveyCommands, OtherCommandsReadThemToo) {
                                                                      {"curvature", {"-o", "c.ply"}},
                                                                      {"advise", {}}}) {
     const Json json = json_of(with(command, more));
-    // Curvature counts what is left of what was read: what lies in both tiles is found, to the last point.
+    // `curvature` counts the samples after removal of duplicates, which are those in both tiles.
     EXPECT_EQ(json["input"]["points"], command == "curvature" ? kSamples : points) << command;
     EXPECT_EQ(json["input"]["files"], (Json{"west.las", "east.las"})) << command;
     if (command == "advise") {
@@ -108,7 +108,7 @@ TEST_F(SurveyCommands, OtherCommandsReadThemToo) {
   EXPECT_NE(told.out.find("7 low-noise: 300"), std::string::npos) << told.out;
 }
 
-/// One report a file; what is wrong with one does not keep the others from being told of.
+/// One report per file; an error in one does not suppress the others.
 TEST_F(SurveyCommands, InfoTellsOfSeveralFiles) {
   write_tiles();
   const Json two = json_of({"info", "west.las", "east.las"});
@@ -154,7 +154,7 @@ TEST_F(SurveyCommands, TheyAreReferencesToo) {
   EXPECT_LT(values["absolute_value"]["max"], 0.01 * kRadius);
   EXPECT_EQ(run({"probe", "ball.smf", "--at", "0,0,0", "--class", "2"}).code, 2) << "a place has no class";
 
-  PointSet probes = sphere(200);  // of no class: those chosen are of the samples
+  PointSet probes = sphere(200);  // without classes: the selected classes are those of the samples
   probes.origin = kCenter;
   for (Vec3f& p : probes.positions) p *= 1.01f * static_cast<float>(kRadius);
   write_points(path("probes.ply"), probes);
@@ -222,8 +222,7 @@ TEST_F(SurveyCommands, WarningsNameTheirFiles) {
   EXPECT_EQ(outcome.err, "warning: b.las: 10 of 1,000 points are flagged as withheld and were left out\n");
 }
 
-/// The same ball, near zero and far away, from files of three kinds to meshes of all kinds: where it lies costs
-/// nothing.
+/// The same ball, near zero and far away, from files of three kinds to meshes of all kinds, has the same accuracy.
 TEST_F(SurveyCommands, MillimetresSurviveReconstruction) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others reconstruct, too");
   LasFile las{.format = 0, .offset = kCenter};
@@ -253,7 +252,7 @@ TEST_F(SurveyCommands, MillimetresSurviveReconstruction) {
   const double wanted = off_the_ball(near);
   for (const std::string input : {"far.las", "far.xyz", "far.ply"})
     for (const std::string output : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "mesh.vtp"}) {
-      if (input != "far.las" && output != "mesh.ply") continue;  // readers and writers do not know of each other
+      if (input != "far.las" && output != "mesh.ply") continue;  // readers and writers are independent
       ASSERT_EQ(run({"reconstruct", input, "-o", output}).code, 0);
       EXPECT_LT(off_the_ball(read_mesh(path(output))), wanted + 0.002) << input << " to " << output;
     }

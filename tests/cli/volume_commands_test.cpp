@@ -1,4 +1,4 @@
-// The commands of volumes, on a ball in a small raw file and on points.
+// Tests of volume commands on a ball in a small raw file and on points.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -42,7 +42,7 @@ TEST_F(VolumeTool, InfoDescribesGridsWithoutValues) {
   EXPECT_EQ(json["notes"].size(), 1u);
 }
 
-/// Content decides where an ending is one of points, too.
+/// The content decides if the ending is also one of points.
 TEST_F(VolumeTool, InfoKnowsGridsThatAreNamedAsPoints) {
   const std::string text = "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n";
   write("bare.xyz", text);
@@ -56,7 +56,7 @@ TEST_F(VolumeTool, InfoKnowsGridsThatAreNamedAsPoints) {
   EXPECT_EQ(json["cells"], 1);
   EXPECT_NE(json["format"].get<std::string>().find("PLOT3D"), std::string::npos);
   EXPECT_NE(run({"convert", "binary.xyz", "-o", "x.ply"}).err.find("holds a volume (PLOT3D)"), std::string::npos);
-  // Points that begin with whole numbers are points.
+  // Points that begin with whole numbers are still points.
   write("points.xyz", "1 2 3\n4 5 6\n7 8 10\n1 0 0\n");
   EXPECT_EQ(json_of({"info", "points.xyz"})["points"], 4);
 }
@@ -67,7 +67,7 @@ TEST_F(VolumeTool, AdviseNamesAReconstructionAndWhy) {
   EXPECT_FALSE(json["why"].get<std::string>().empty());
 }
 
-/// Words of a command as a shell splits them, without "sansmesh".
+/// Splits a command like a shell, without "sansmesh".
 std::vector<std::string> words_of(const std::string& command) {
   std::vector<std::string> words(1);
   bool quoted = false;
@@ -86,12 +86,12 @@ TEST_F(VolumeTool, AdviseHasNothingToSayOfBareLattices) {
   write("bare.p3d", "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n");
   const Outcome outcome = run({"advise", "data", "bare.p3d"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("sansmesh: bare.p3d: holds no arrays"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("sansmesh: bare.p3d: has no arrays"), std::string::npos) << outcome.err;
 }
 
 TEST_F(VolumeTool, EveryCommandThatAdviseNamesRuns) {
   SANSMESH_NOT_SANITIZED("draws pictures and moves bodies; the tests of each command do so sanitized");
-  // What else the commands read.
+  // Other inputs of the commands.
   write("where.csv", "x,y,z\n8,8,4\n");
   write("handles.json", R"({"handles": [{"p": [1, 1, 1], "q": [1, 1, 1]}, {"p": [12, 1, 1], "q": [12, 2, 1]},
       {"p": [1, 12, 1], "q": [1, 12, 1]}, {"p": [1, 1, 12], "q": [1, 1, 12]}]})");
@@ -116,7 +116,7 @@ TEST_F(VolumeTool, EveryCommandThatAdviseNamesRuns) {
       if (r["aim"] != "border") found.push_back(r["aim"]);
       EXPECT_GT(r["why"].get<std::string>().size(), 10u);
       std::vector<std::string> words = words_of(r["command"]);
-      // Small pictures and few frames: what is tested is that they are made at all.
+      // Small pictures and few frames suffice to test that they are made.
       if (words.back().ends_with(".png") && words[0] != "simulate" && words[1] != "lines")
         words.insert(words.end(), {"--width", "64", "--height", "48"});
       if (words[0] == "simulate") words.insert(words.end(), {"--frames", "2", "--duration", "0.1"});
@@ -165,7 +165,7 @@ TEST_F(VolumeTool, IsosurfacesAreMeshesSolidsAndSections) {
   EXPECT_NEAR(half["volume"].get<double>(), volume / 2, 0.02 * volume);
 }
 
-/// Values of two balls at ±d from the middle: 4 less the distance from the nearer one, for every sample.
+/// Values of two balls at ±d from the centre: 4 minus the distance from the nearer centre, for every sample.
 std::string two_balls(double d) {
   std::vector<float> values;
   for (int k = 0; k < 17; ++k)
@@ -180,7 +180,7 @@ std::string two_balls(double d) {
 
 TEST_F(VolumeTool, SeriesInTimeBecomeMeshesAtAnyMoment) {
   std::vector<std::string> series{"volume", "isosurface"};
-  const std::vector<double> places{4, 3, 2, 1, 0};  // they touch at 2.5, as the balls have radius 2.5
+  const std::vector<double> places{4, 3, 2, 1, 0};  // they touch at 2.5, their radius
   for (std::size_t i = 0; i < places.size(); ++i) {
     const std::string name = "s" + std::to_string(i) + "_17x17x17_float32.raw";
     write(name, two_balls(places[i]));
@@ -207,7 +207,7 @@ TEST_F(VolumeTool, SeriesInTimeBecomeMeshesAtAnyMoment) {
     EXPECT_EQ(read["triangles"], frame["triangles"]);
     if (k == 0 || k == 2 || k == 8) {
       const double both = k == 8 ? ball : 2 * ball;
-      // Linear interpolation of distances on so coarse a grid makes balls smaller.
+      // Linear interpolation of distances on this coarse grid makes balls smaller.
       EXPECT_NEAR(frame["volume"].get<double>(), 0.92 * both, 0.05 * both);
     }
   }
@@ -278,8 +278,8 @@ TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
       {{"volume", "isosurface", bare, "--value", "1", "-o", path("never.ply")}, 1, {"bare.p3d", "no arrays"}},
       {{"volume", "render", bare, "-o", path("never.png")}, 1, {"bare.p3d", "no arrays"}},
       {{"volume", "fit", bare, "-o", path("never.smv")}, 1, {"bare.p3d", "no arrays"}},
-      {{"info", ball_, "--time-step", "1"}, 2, {"--time-step", "no steps but one"}},
-      {{"info", bare, "--time-step", "7"}, 2, {"--time-step", "no steps but one"}},
+      {{"info", ball_, "--time-step", "1"}, 2, {"--time-step", "only one step"}},
+      {{"info", bare, "--time-step", "7"}, 2, {"--time-step", "only one step"}},
       {{"volume", "probe", path("few.csv"), "--time-step", "1", "--at", "0,0,0"}, 2, {"--time-step"}},
       {{"volume", "isosurface", ball_, "--value", "70", "-o", path("never.ply")}, 1, {"70", "between"}},
       {{"volume", "resample", ball_, "-o", path("never.xyz")}, 1, {".vti"}},

@@ -1,4 +1,4 @@
-// volume fit, and its file in place of the data.
+// Tests of `volume fit`, and of its file as input.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>

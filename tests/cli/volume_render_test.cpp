@@ -1,4 +1,4 @@
-// Pictures of volumes from the command line: that every option shows in them, on a ball in a small raw file.
+// Tests of `volume render`: every option has its effect on the picture of a ball in a small raw file.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -25,7 +25,7 @@ const PixelIs is_orange = [](const std::array<int, 4>& p) { return p[0] > p[2] +
 const PixelIs is_blue = [](const std::array<int, 4>& p) { return p[2] > p[0] + 60; };
 const PixelIs is_ink = [](const std::array<int, 4>& p) { return std::max({p[0], p[1], p[2]}) < 100; };
 
-/// How many pixels of [x0, x1) × [y0, y1) are such.
+/// Number of pixels of [x0, x1) × [y0, y1) that satisfy a predicate.
 std::size_t count_if(const PngPicture& picture, const PixelIs& such, std::size_t x0 = 0, std::size_t x1 = 1u << 20,
                      std::size_t y0 = 0, std::size_t y1 = 1u << 20) {
   std::size_t count = 0;
@@ -34,7 +34,7 @@ std::size_t count_if(const PngPicture& picture, const PixelIs& such, std::size_t
   return count;
 }
 
-/// Share of the pixels in which two pictures of a size differ by more than so many levels.
+/// Share of the pixels that differ by more than a number of levels.
 double differing(const PngPicture& a, const PngPicture& b, int levels = 3) {
   EXPECT_EQ(a.bytes.size(), b.bytes.size());
   if (a.bytes.size() != b.bytes.size() || a.bytes.empty()) return 1;
@@ -53,7 +53,7 @@ class VolumeRenderTool : public ToolTest {
     ball_ = path(kBallFile);
   }
 
-  /// From the front, on white, one line of options more.
+  /// A picture from the front on white, with further options.
   PngPicture picture(const std::vector<std::string>& more, const std::string& name = "picture.png") {
     std::vector<std::string> arguments = {"volume", "render",   ball_, "-o",     path(name), "--width",
                                           "160",    "--height", "120", "--view", "front"};
@@ -73,12 +73,12 @@ TEST_F(VolumeRenderTool, IsoSurfaceIsWhereItsBallIs) {
   ASSERT_EQ(p.width, kWide);
   ASSERT_EQ(p.height, kHigh);
   EXPECT_TRUE(is_orange(p.at(kWide / 2, kHigh / 2)));
-  // The box, 16 across, is what is framed: its ball of radius 5 is seen as a disc, and around it is nothing.
+  // The frame shows the box, 16 across, with its ball of radius 5 as a disc on an empty background.
   const std::size_t ball = count_if(p, is_orange), rest = count_if(p, is_white);
   const double radius = std::sqrt(static_cast<double>(ball) / std::numbers::pi);
   EXPECT_GT(radius, 0.2 * kHigh);
   EXPECT_LT(radius, 5.0 / 16 * kHigh);
-  EXPECT_GT(ball + rest, kWide * kHigh - static_cast<std::size_t>(4 * std::numbers::pi * radius));  // but for its rim
+  EXPECT_GT(ball + rest, kWide * kHigh - static_cast<std::size_t>(4 * std::numbers::pi * radius));  // except its rim
   EXPECT_EQ(count_if(p, is_white, 0, 20), 20 * kHigh);
   for (const double turn : {0.0, 1.0, 2.5, 4.0, 5.5}) {
     const auto at = [&](double r) {
@@ -88,14 +88,14 @@ TEST_F(VolumeRenderTool, IsoSurfaceIsWhereItsBallIs) {
     EXPECT_TRUE(is_orange(at(radius - 3))) << turn;
     EXPECT_TRUE(is_white(at(radius + 3))) << turn;
   }
-  // Half of it where the other half is cut away; none where a slab takes all.
+  // Half of it where the other half is clipped; none where a slab covers all.
   const PngPicture half = picture({"--iso", "2:#ff8800", "--opacity-factor", "0", "--no-bar", "--clip", "x>8"});
   EXPECT_NEAR(static_cast<double>(count_if(half, is_orange, 0, kWide / 2)), static_cast<double>(ball) / 2,
               0.05 * static_cast<double>(ball));
   EXPECT_EQ(count_if(half, is_white, kWide / 2 + 2), (kWide / 2 - 2) * kHigh);
   EXPECT_EQ(count_if(picture({"--iso", "2", "--opacity-factor", "0", "--no-bar", "--clip", "-1<z<17"}), is_white),
             kWide * kHigh);
-  // Of two surfaces the inner one is seen through the outer one alone.
+  // Of two surfaces, the inner one is visible only through the outer one.
   const std::vector<std::string> two = {"--iso", "5:#0000ff", "--opacity-factor", "0", "--no-bar", "--iso"};
   auto clear = two, dense = two;
   clear.emplace_back("2:#ff8800:0.2"), dense.emplace_back("2:#ff8800");
@@ -107,7 +107,7 @@ TEST_F(VolumeRenderTool, PlainPictureShowsTheBallAndItsColourBar) {
   const PngPicture p = picture({});
   ASSERT_EQ(p.width, kWide) << "the bar is in the width that is asked for";
   ASSERT_EQ(p.height, kHigh);
-  // The bar: many colours above each other, and numbers beside it.
+  // The bar has many colours above each other, and numbers beside it.
   const auto colors = [&](std::size_t x) {
     std::set<std::array<int, 4>> found;
     for (std::size_t y = kHigh / 4; y < 3 * kHigh / 4; ++y) found.insert(p.at(x, y));
@@ -117,7 +117,7 @@ TEST_F(VolumeRenderTool, PlainPictureShowsTheBallAndItsColourBar) {
   while (bar > kWide / 2 && colors(bar) <= 30) --bar;
   ASSERT_GT(bar, 100u);
   EXPECT_GT(count_if(p, is_ink, bar + 4), 20u);
-  // Darker in the middle than the paper, and everything in the frame.
+  // Darker in the centre than the background, and all in the frame.
   EXPECT_FALSE(is_white(p.at(50, kHigh / 2)));
   EXPECT_EQ(count_if(p, is_white, 0, 5), 5 * kHigh);
   EXPECT_EQ(count_if(p, is_white, 0, 100, 0, 4), 100u * 4);
@@ -149,7 +149,7 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
                                              {"--method", "nearest"}}) {
     auto options = more;
     options.emplace_back("--no-bar");
-    // From the front a ball looks the same from above: what turns the view is seen by the surfaces of a corner.
+    // A ball looks the same from the front and from above: the surfaces of a corner show rotations of the view.
     if (more[0] == "--azimuth" || more[0] == "--elevation" || more[0] == "--z-up") {
       const std::vector<std::string> corner = {"--no-bar", "--clip", "x>8", "--clip", "y>8", "--iso", "2"};
       options.insert(options.end(), corner.begin() + 1, corner.end());
@@ -174,19 +174,19 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return read_png(path(name));
   };
-  // What is written beside a picture makes it wider.
+  // Labels make the picture wider.
   EXPECT_NE(large({"--axes"}, "axes.png").bytes, large({"--axes=mm"}, "axes-unit.png").bytes);
   EXPECT_NE(large({}, "bar.png").bytes, large({"--unit", "K"}, "unit.png").bytes);
 }
 
 TEST_F(VolumeRenderTool, GridsAreDrawnWhereTheVolumeEnds) {
-  // 17 samples a side: as many lines up and across the front, which hide those of the back.
+  // 17 samples per side give as many lines in both directions of the front, which hide those of the back.
   const Outcome outcome =
       run({"volume", "render", ball_, "-o", path("grid.png"), "--width", "640", "--height", "480", "--view", "front",
            "--background", "white", "--no-bar", "--opacity-factor", "0", "--grid", "--orthographic"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const PngPicture p = read_png(path("grid.png"));
-  // Between two lines across, near the middle.
+  // Between two horizontal lines, near the centre.
   std::size_t most = 0, row = 0;
   for (std::size_t y = 230; y < 260; ++y) {
     const std::size_t white = count_if(p, is_white, 0, 640, y, y + 1);
@@ -205,7 +205,7 @@ TEST_F(VolumeRenderTool, CloseUpsShowThePlaceAskedFor) {
   auto inside = ball, rim = ball;
   inside.emplace_back("8,8,13"), rim.emplace_back("13,8,8");
   EXPECT_EQ(count_if(picture(inside), is_orange), kWide * kHigh);
-  // About half: the eye sees a ball's rim a little before its widest place.
+  // About half, since the silhouette of a ball in perspective is in front of its widest circle.
   const double share = static_cast<double>(count_if(picture(rim), is_orange)) / (kWide * kHigh);
   EXPECT_GT(share, 0.35);
   EXPECT_LT(share, 0.55);
@@ -223,7 +223,7 @@ TEST_F(VolumeRenderTool, TransferFunctionsAreWrittenAndReadBack) {
 }
 
 TEST_F(VolumeRenderTool, OtherThingsMayStandInThePicture) {
-  // A blue square before the ball, as a mesh; and a blue ball as samples, without one.
+  // A blue square in front of the ball, as a mesh; and a blue ball as samples without a mesh.
   write("square.ply",
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
         "red\nproperty uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int vertex_indices\n"
@@ -265,7 +265,7 @@ TEST_F(VolumeRenderTool, OpacityMayComeFromAnotherArray) {
        "front",        "--background", "white",         "--no-bar", "--no-shading"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const PngPicture p = read_png(path("two.png"));
-  // The colour changes from left to right, what is seen from top (there p is large) to bottom.
+  // The colour changes from left to right, the opacity from top (large p) to bottom.
   EXPECT_TRUE(is_blue(p.at(kWide / 2 - 20, kHigh / 4)));
   EXPECT_TRUE(is_orange(p.at(kWide / 2 + 20, kHigh / 4)));
   EXPECT_TRUE(is_white(p.at(kWide / 2 - 20, 3 * kHigh / 4)));
@@ -313,7 +313,7 @@ TEST_F(VolumeRenderTool, TurntablesGoRoundAndKeepTheirSize) {
     shown.push_back(count_if(p, is_orange, 0, kWide));
     EXPECT_GT(shown.back(), 500u);
   }
-  // The open half is seen from outside or from inside, from four sides that differ: never all the same.
+  // Four views show the open half from outside or from inside, so they cannot all be equal.
   EXPECT_GT(*std::max_element(shown.begin(), shown.end()), *std::min_element(shown.begin(), shown.end()) + 100);
 }
 

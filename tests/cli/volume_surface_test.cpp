@@ -1,4 +1,4 @@
-// Surfaces of volumes from the command line: pictures, meshes and points of a ball in a small raw file.
+// Tests of `volume surface`: pictures, meshes and points of a ball in a small raw file.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kSoftBall = "soft_21x21x21_float32.raw";
 
-/// 1 in a ball of radius 6 about (10, 10, 10), 0 outside, over about two samples.
+/// 1 in a ball of radius 6 about (10, 10, 10), 0 outside, with a transition of about two samples.
 std::string soft_ball_bytes() {
   std::vector<float> values;
   for (int k = 0; k < 21; ++k)
@@ -93,7 +93,7 @@ TEST_F(VolumeSurfaceTool, PointsAreCountedAndSpread) {
       surface({"--value", "0.5", "--points-output", path("ball.ply"), "--point-spacing", "1", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto points = nlohmann::json::parse(outcome.out)["points"]["points"].get<double>();
-  EXPECT_GT(points, 0.45 * 16 * 36);  // of discs of half a distance
+  EXPECT_GT(points, 0.45 * 16 * 36);  // for discs of half a distance
   EXPECT_LT(points, 0.91 * 16 * 36);
 }
 
@@ -103,7 +103,7 @@ TEST_F(VolumeSurfaceTool, SaysWhatIsWrongInOneLine) {
     EXPECT_NE(outcome.code, 0);
     EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
   };
-  refused({"--value", "0.5"}, "--output or --points-output is needed");
+  refused({"--value", "0.5"}, "--output or --points-output is required");
   refused({"--value", "7", "-o", path("a.ply")}, "values lie between");
   refused({"--value", "0.5", "--high-gradient", "-o", path("a.ply")}, "exclude each other");
   refused({"--value", "0.5", "--array", "nothing", "-o", path("a.ply")}, "nothing");

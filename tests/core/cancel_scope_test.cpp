@@ -1,4 +1,4 @@
-// Cancellation without a Progress in the call.
+// Cancellation of calls that receive no Progress.
 #include "sansmesh/core/cancel_scope.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What of a file or a user gets into a message, and how.
+// Escaping of text from files and users in error messages.
 #include "sansmesh/error.h"
 
 #include <gtest/gtest.h>
@@ -26,11 +26,11 @@ TEST(Printable, EscapesWhatIsNoTextOfOneLine) {
             "\\xc2\\x9b31m");  // the one-character escape sequence
   EXPECT_EQ(printable("\u2028\u2029"), "\\xe2\\x80\\xa8\\xe2\\x80\\xa9");
   EXPECT_EQ(printable("\xff\xfe"), "\\xff\\xfe");
-  EXPECT_EQ(printable("\x80 \xbf"), "\\x80 \\xbf");  // no beginning
-  EXPECT_EQ(printable("\xc3"), "\\xc3");             // no end
+  EXPECT_EQ(printable("\x80 \xbf"), "\\x80 \\xbf");  // continuation bytes without a start
+  EXPECT_EQ(printable("\xc3"), "\\xc3");             // incomplete sequence
   EXPECT_EQ(printable("\xe4\xb8z"), "\\xe4\\xb8z");
-  EXPECT_EQ(printable("\xc0\xaf\xe0\x80\xaf"), "\\xc0\\xaf\\xe0\\x80\\xaf");  // longer than need be
-  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");                    // half of a pair of UTF-16
+  EXPECT_EQ(printable("\xc0\xaf\xe0\x80\xaf"), "\\xc0\\xaf\\xe0\\x80\\xaf");  // overlong encoding
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");                    // surrogate
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");           // beyond Unicode
 }
 

@@ -1,4 +1,4 @@
-// Whole numbers of real ones: as a cast where that is defined, and the nearest that there is where it is not.
+// Conversion of real numbers to integers: equal to a cast where that is defined, otherwise saturating.
 #include "sansmesh/core/index_in.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TYPED_TEST(IndexIn, StaysInTheRangeWhateverTheNumber) {
     EXPECT_EQ(index_in<Whole>(inf, first, last), last);
     EXPECT_EQ(index_in<Whole>(std::numeric_limits<Real>::max(), first, last), last);
     EXPECT_EQ(index_in<Whole>(std::numeric_limits<Real>::lowest(), first, last), first);
-    // Every power of two and its neighbours: where the ends are rounded, too.
+    // Powers of two and their neighbours, including rounded limits.
     for (int e = -3; e < 70; ++e)
       for (const Real sign : {Real(1), Real(-1)})
         for (const Real to : {Real(0), Real(1), inf}) {

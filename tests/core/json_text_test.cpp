@@ -1,4 +1,4 @@
-// Errors of JSON in our own words.
+// Error messages for invalid JSON.
 #include "sansmesh/core/json_text-inl.h"
 
 #include <gtest/gtest.h>
@@ -21,13 +21,14 @@ std::string error_of(const std::string& text) {
 
 TEST(JsonText, NamesThePlaceAndTheCause) {
   EXPECT_EQ(error_of("{\"a\": [1, 2]}"), "");
-  EXPECT_EQ(error_of("{\n  \"a\": 1,\n}"), "is not JSON: '}' at line 3, column 1 is not what belongs there");
-  EXPECT_EQ(error_of("{\n  \"a\": [1,\n"), "is not JSON: it ends too early, at line 2, column 10");
+  EXPECT_EQ(error_of("{\n  \"a\": 1,\n}"), "is not JSON: unexpected '}' at line 3, column 1");
+  EXPECT_EQ(error_of("{\n  \"a\": [1,\n"), "is not JSON: it ends unexpectedly at line 2, column 10");
   EXPECT_EQ(error_of(" \n"), "is not JSON: it is blank");
   EXPECT_EQ(error_of(""), "is not JSON: it is blank");
-  EXPECT_EQ(error_of("[1e999]"), "holds a number that is too large");
-  EXPECT_EQ(error_of("[\"\xff\"]"), "is not JSON: line 1, column 3 is a byte that is not UTF-8");
-  EXPECT_EQ(error_of("[\"a\nb\"]"), "is not JSON: at line 1, column 4 a text breaks off, or holds a control character");
+  EXPECT_EQ(error_of("[1e999]"), "contains a number that is too large");
+  EXPECT_EQ(error_of("[\"\xff\"]"), "is not JSON: line 1, column 3 is not valid UTF-8");
+  EXPECT_EQ(error_of("[\"a\nb\"]"),
+            "is not JSON: at line 1, column 4 a string is unterminated or contains a control character");
   EXPECT_NE(error_of("\x1b[31m"), "");
 }
 

@@ -1,4 +1,5 @@
-// Loops in a program that uses oneTBB itself. (Which the thread sanitizer cannot see into: not in its builds.)
+// Parallel loops in a program that uses oneTBB itself. Not in builds with the thread sanitizer, which does not support
+// oneTBB.
 #include "sansmesh/core/parallel_backend.h"
 #if !SANSMESH_WATCHED_THREADS
 

@@ -38,7 +38,7 @@ TEST(Parallel, ReductionDoesNotDependOnThreadCount) {
 }
 
 TEST(Parallel, ReductionOfTruthValuesLosesNone) {
-  // Values of neighbouring chunks are written by several threads at a time.
+  // Several threads write values of neighbouring chunks concurrently.
   const ThreadScope eight(8);
   for (int round = 0; round < 20; ++round) {
     std::size_t holds = 0;
@@ -162,7 +162,7 @@ TEST(Parallel, AnExceptionEndsTheLoopAndReachesTheCaller) {
 }
 
 TEST(Parallel, AnExceptionElsewhereLeavesNoLoopHalfDone) {
-  // The second iteration works on while the first has failed already.
+  // The second iteration continues after the first has failed.
   const ThreadScope scope(4);
   std::atomic<bool> failed = false;
   std::atomic<std::size_t> done = 0, branches = 0;
@@ -202,7 +202,7 @@ TEST(Parallel, BranchesMayBranch) {
 TEST(Parallel, BodiesRoundAsTheCallerDoes) {
   const ThreadScope scope(4);
   test::MeetingPlace first(4), then(4);
-  parallel_for(0, 4, 1, [&](std::size_t) { first.arrive(); });  // workers are there already
+  parallel_for(0, 4, 1, [&](std::size_t) { first.arrive(); });  // starts the workers
   const int before = std::fegetround();
   ASSERT_EQ(std::fesetround(FE_UPWARD), 0);
   parallel_for(0, 4, 1, [&](std::size_t) {
@@ -237,7 +237,7 @@ TEST(Progress, LoopsOfACancelledScopeEndBeforeTheirNextRange) {
     EXPECT_GE(visited, 50u);
     EXPECT_LT(visited, 200u) << "loops within loops listen, too";
     EXPECT_THROW(work(), Cancelled) << "loops do not begin either";
-    EXPECT_EQ(detail::heard_progress(), nullptr);
+    EXPECT_EQ(detail::observed_progress(), nullptr);
     parallel_for(0, 1000, 1, [&](std::size_t) { ++visited; });
     EXPECT_GE(visited, 1050u) << "nothing listens outside of the scope";
   }

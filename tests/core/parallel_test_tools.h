@@ -1,4 +1,4 @@
-// What the tests of loops have their bodies do.
+// Tools for tests of parallel loops.
 #pragma once
 
 #include <chrono>
@@ -11,11 +11,11 @@
 
 namespace sansmesh::test {
 
-/// Those who arrive wait for each other, though not for ever.
+/// Barrier with a time-out.
 class MeetingPlace {
  public:
   explicit MeetingPlace(std::ptrdiff_t expected) : expected_(expected) {}
-  /// Whether all came.
+  /// Returns whether all threads arrived.
   bool arrive() {
     std::unique_lock lock(mutex_);
     if (++arrived_ >= expected_) all_.notify_all();
@@ -28,7 +28,7 @@ class MeetingPlace {
   std::condition_variable all_;
 };
 
-/// Says whether a thread enters a second time before it has left.
+/// Detects whether a thread enters again before leaving.
 class Door {
  public:
   bool enter() const { return std::exchange(inside(), true); }

@@ -1,4 +1,4 @@
-// Progress as programs make it their own: an observer and a reason to stop.
+// Progress subclasses: an observer and a stop condition.
 #include "sansmesh/progress.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Words that a mistyped one looks like.
+// Similar words for mistyped ones.
 #include "sansmesh/core/similar_words.h"
 
 #include <gtest/gtest.h>
@@ -21,9 +21,9 @@ TEST(SimilarWords, LettersLeftOutAddedExchangedOrWrong) {
 }
 
 TEST(SimilarWords, CapitalsUnderscoresAndDashesInFrontDoNotCount) {
-  EXPECT_EQ(unlikeness("MESH_ERROR", "--mesh-error"), 0);
-  EXPECT_EQ(unlikeness("mesh", "tetrahedra"), -1);
-  EXPECT_LT(unlikeness("mesh-eror", "mesh-error"), unlikeness("mesh", "mesh-error"));
+  EXPECT_EQ(word_distance("MESH_ERROR", "--mesh-error"), 0);
+  EXPECT_EQ(word_distance("mesh", "tetrahedra"), -1);
+  EXPECT_LT(word_distance("mesh-eror", "mesh-error"), word_distance("mesh", "mesh-error"));
 }
 
 TEST(SimilarWords, ThreeAtMostTheBestFirst) {

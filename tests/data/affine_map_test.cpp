@@ -14,7 +14,7 @@ namespace {
 
 const AffineMap kGeneral{{1, 0.5, -0.25}, {0.25, 2, 0.5}, {-0.5, 0.125, -3}, {10, -20, 30}};
 
-/// A triangle askew with its own normal at each corner.
+/// Oblique triangle with a different normal at each corner.
 TriangleMesh triangle() {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0.5f}, {0.25f, 1, 0}};
@@ -53,7 +53,7 @@ TEST(AffineMap, NormalsStayNormalToTheSurfaceAndFacesKeepTheirOutside) {
     EXPECT_NEAR(norm(Vec3(mesh.normals[0])), 1, 1e-6);
     EXPECT_GT(dot(Vec3(mesh.normals[0]), face_normal(mesh)), 1 - 1e-6);
     EXPECT_EQ(mesh.normals[2], Vec3f{});  // unknown stays unknown
-    // What was outside is outside: a point before the face goes where the face's normal still points.
+    // Orientation is preserved: a point in front of the face stays in front of it.
     const Vec3 outside = map(Vec3(triangle().vertices[0]) + face_normal(triangle()));
     EXPECT_GT(dot(outside - mesh.origin - Vec3(mesh.vertices[mesh.triangles[0][0]]), face_normal(mesh)), 0);
   }
@@ -68,7 +68,7 @@ TEST(AffineMap, ShiftsLoseNothingAndSurveysTurnAboutFarPoints) {
   transform(moved, AffineMap::translation({1e6, 0.001, -250}));
   EXPECT_EQ(moved.positions, points.positions);
   EXPECT_EQ(moved.origin, points.origin + Vec3(1e6, 0.001, -250));
-  // There and back about 0, five million metres away.
+  // Rotation about 0 and back, at a distance of five million metres.
   const AffineMap turn = AffineMap::rotation({0, 0, 1}, 33);
   transform(moved = points, turn);
   transform(moved, turn.inverse());

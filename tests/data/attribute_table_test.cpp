@@ -59,7 +59,7 @@ TEST(AttributeTable, NamesAreUnique) {
   EXPECT_TRUE(table.erase("a"));
   EXPECT_FALSE(table.erase("a"));
   EXPECT_EQ(table.size(), 1u);
-  // Alone, it may change its length.
+  // A single array may change its length.
   table.set("b", std::vector<float>{1});
   EXPECT_EQ(table[0].rows(), 1u);
 }
@@ -132,7 +132,7 @@ TEST(AttributeTable, RealsAreMixedIntegersAreNot) {
     ASSERT_EQ(a.rows(), 2u);
     for (std::size_t c = 0; c < a.components; ++c) {
       const double width = static_cast<double>(a.components), at = static_cast<double>(c);
-      // Of equal weights the first one's integer.
+      // Equal weights take the first integer.
       EXPECT_NEAR(a.number(c), (is_real(a.type()) ? 1.75 : 2) * width + at, 1e-6) << a.name;
       EXPECT_NEAR(a.number(a.components + c), (is_real(a.type()) ? 14.0 / 5 : 3) * width + at, 1e-6) << a.name;
     }
@@ -188,7 +188,7 @@ TEST(AttributeTable, MeansLeaveOutWhatIsUnknown) {
   EXPECT_TRUE(std::isnan(pair[2]) && std::isnan(pair[3]));
 }
 
-/// Each part is what it was, with unknown numbers where it had none.
+/// Each part is unchanged, with unknown numbers for missing arrays.
 TEST(AttributeTable, RowsOfSeveralTables) {
   const AttributeTable every = every_type(5), none;
   const AttributeTable* const tables[] = {&none, &every, &none, &every};

@@ -40,7 +40,7 @@ TEST(Image, WhatIsBeyondIsClampedAndNothingIsZero) {
   }
 }
 
-/// Thresholds that are spread evenly keep the mean.
+/// Evenly distributed thresholds preserve the mean.
 TEST(Image, DitheredLevelsAreRightOnAverage) {
   constexpr int n = 64;
   for (int i = 0; i <= 500; ++i) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kFloatEps = std::numeric_limits<float>::epsilon();
-/// Coordinates of a survey, in metres.
+/// Survey coordinates in metres.
 const Vec3 kSurvey{512345.678, 5403210.987, 312.345};
 
 std::vector<Vec3> places(std::size_t n, double size, unsigned seed = 1) {
@@ -109,7 +109,7 @@ TEST(LocalFrame, ItsUnitIsTheNextPowerOfTwo) {
   EXPECT_EQ(frame_for({}, 0).unit, 1);
 }
 
-/// A strip of a survey 100 m wide: own coordinates are float, yet millimetres stay what they are.
+/// A survey strip 100 m wide: local coordinates are float, yet keep millimetres.
 TEST(LocalFrame, KeepsMillimetresAtCoordinatesOfMillions) {
   const std::vector<Vec3> x = places(2000, 50);
   const PointSet given = cloud_of(x, kSurvey);
@@ -122,7 +122,7 @@ TEST(LocalFrame, KeepsMillimetresAtCoordinatesOfMillions) {
     EXPECT_LE(error, 50 * kFloatEps / 2 + 2 * kEps * largest(kSurvey));
     EXPECT_LE(error, 1e-5);
   }
-  // Two places a millimetre apart stay so.
+  // Two points a millimetre apart stay apart.
   const Vec3 step{1e-3, 0, 0};
   for (const Vec3& p : x) {
     const Vec3 apart = frame.from_input(kSurvey + p + step) - frame.from_input(kSurvey + p);
@@ -189,7 +189,7 @@ TEST(LocalFrame, OtherOriginsAreTakenIn) {
   const double rounding = 4 * kFloatEps + 4 * kEps * largest(kSurvey) / 64;
   for (std::size_t i = 0; i < x.size(); ++i)
     EXPECT_LE(largest(Vec3(mesh.vertices[i]) - frame.from_input(given.origin + Vec3(given.vertices[i]))), rounding);
-  // What has an origin of its own in own coordinates, too.
+  // Objects with an origin in local coordinates.
   TriangleMesh own = to_mesh(cloud_of(places(500, 1), {1, 2, 3}));
   const TriangleMesh before = own;
   move_to_input(own, frame);

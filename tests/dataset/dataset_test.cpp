@@ -34,7 +34,7 @@ GridData with_arrays() {
   return data;
 }
 
-TEST(VolumeDataset, ShowsTheFirstRealArrayOfOneNumberThatVaries) {
+TEST(VolumeDataset, DefaultIsTheFirstVaryingRealScalar) {
   const VolumeDataset dataset(with_arrays());
   EXPECT_EQ(dataset.default_array().name, "f");
   EXPECT_EQ(dataset.default_array().of, Association::points);
@@ -42,7 +42,7 @@ TEST(VolumeDataset, ShowsTheFirstRealArrayOfOneNumberThatVaries) {
   EXPECT_EQ(dataset.array("where").components, 3u);
 }
 
-TEST(VolumeDataset, KnowsComponentsByNumberAndName) {
+TEST(VolumeDataset, FindsComponentsByNumberAndName) {
   const VolumeDataset dataset(with_arrays());
   EXPECT_FALSE(dataset.choose("where").component);
   EXPECT_EQ(*dataset.choose("where:2").component, 2u);
@@ -50,7 +50,7 @@ TEST(VolumeDataset, KnowsComponentsByNumberAndName) {
   EXPECT_TRUE(dataset.choose("where:magnitude").magnitude);
 }
 
-TEST(VolumeDataset, TellsTheMemoryOfAField) {
+TEST(VolumeDataset, ReportsTheMemoryOfAField) {
   VolumeDataset dataset(with_arrays());
   const auto bytes_of = [&](const std::string& method) {
     ReconstructionOptions options;
@@ -60,18 +60,18 @@ TEST(VolumeDataset, TellsTheMemoryOfAField) {
     dataset.field({"where", {}, false}, options, progress, &report);
     return report.bytes;
   };
-  // All arrays of the samples, the axes of the lattice, and the numbers of the one that was reconstructed.
+  // All arrays of the samples, the axes of the lattice, and the values of the reconstructed array.
   std::size_t arrays = 0;
   Progress progress;
   for (const Attribute& a : dataset.volume(Association::points, progress)->attributes)
     std::visit([&](const auto& values) { arrays += values.size() * sizeof(values[0]); }, a.values);
   const std::size_t linear = bytes_of("linear"), numbers = 5 * 6 * 7 * 3;
   EXPECT_NEAR(static_cast<double>(linear), static_cast<double>(arrays + (5 + 6 + 7 + numbers) * sizeof(double)), 100);
-  // At least a constant and three slopes a sample and component more.
+  // At least a constant and three slopes more per sample and component.
   EXPECT_GT(bytes_of("mls-detail"), linear + numbers * (8 + 3 * 4));
 }
 
-TEST(VolumeDataset, SaysWhatThereIsWhereANameIsWrong) {
+TEST(VolumeDataset, ErrorsNameAvailableArrays) {
   const VolumeDataset dataset(with_arrays());
   const auto message_of = [&](const std::string& text) {
     try {

@@ -75,7 +75,7 @@ TEST(Isosurface, OfABallIsAClosedSphereOnEveryGrid) {
     EXPECT_EQ(report.components, 1u);
     const double volume = 4.0 / 3 * std::numbers::pi * 0.027;
     ASSERT_TRUE(report.volume);
-    EXPECT_NEAR(*report.volume, volume, 0.02 * volume);  // outward: positive
+    EXPECT_NEAR(*report.volume, volume, 0.02 * volume);  // positive: faces outward
     EXPECT_LT(largest_error(mesh, 0.3), 0.004);
   }
 }
@@ -103,7 +103,7 @@ TEST(Isosurface, EndsAtTheBoundaryOfTheVolume) {
   }
 }
 
-TEST(Isosurface, InTheHoleOfAVolumeThereIsNone) {
+TEST(Isosurface, IsEmptyInHolesOfTheVolume) {
   // A ring: the part of a lattice of hexahedra between two cylinders, cut by a plane through its axis.
   GridBlock ring = test::lattice_block({33, 5, 9}, {0, 0.5, 0}, {2 * std::numbers::pi, 1, 0.5});
   ring = test::curvilinear_block(ring, [](const Vec3& x) {
@@ -120,7 +120,7 @@ TEST(Isosurface, InTheHoleOfAVolumeThereIsNone) {
   EXPECT_NEAR(report.area, 2 * 0.5 * 0.5, 0.03);
 }
 
-TEST(Isosurface, NamesTheRangeWhereTheValueIsNotThere) {
+TEST(Isosurface, ErrorsNameTheRangeOfValues) {
   try {
     surface_in(test::lattice_grid({9, 9, 9}, cone), 7);
     FAIL() << "there is no such surface";
@@ -129,7 +129,7 @@ TEST(Isosurface, NamesTheRangeWhereTheValueIsNotThere) {
   }
 }
 
-TEST(Isosurface, IsASolidLikeOthers) {
+TEST(Isosurface, CombinesWithOtherSolids) {
   SANSMESH_NOT_SANITIZED("others make isosurfaces and solids, too");
   const auto surface = surface_in(test::tetrahedra_grid({25, 25, 25}, cone), 0.7);
   const Solid ball = isosurface_solid(surface);
@@ -149,7 +149,7 @@ TEST(Isosurface, DoesNotDependOnThreads) {
   });
 }
 
-TEST(ValueRanges, HoldAllValuesOfTheCellsAround) {
+TEST(ValueRanges, BoundTheValuesOfNearbyCells) {
   const auto wave = [](const Vec3& x) { return std::sin(9 * x.x) * std::cos(7 * x.y) + x.z * x.z; };
   std::vector<NamedGrid> grids;
   grids.push_back({"stretched", test::stretched_grid({19, 18, 17}, wave)});

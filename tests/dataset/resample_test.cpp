@@ -21,7 +21,7 @@ std::shared_ptr<const VolumeField> linear_field(GridData data) {
   return dataset.field({"f", {}, false}, options, progress);
 }
 
-TEST(Resample, KeepsLinearFunctionsAndTheirGradients) {
+TEST(Resample, ReproducesLinearFunctionsAndTheirGradients) {
   const auto field = linear_field(test::bent_grid({9, 9, 9}, test::linear_function));
   ResampleOptions options;
   options.size = {20};
@@ -46,7 +46,7 @@ TEST(Resample, KeepsLinearFunctionsAndTheirGradients) {
   EXPECT_LT(within, inside.size());
 }
 
-TEST(Resample, HasEqualStepsOrTheSizesAskedFor) {
+TEST(Resample, HasEqualStepsOrRequestedSizes) {
   const auto field =
       linear_field(test::one_block(test::lattice_block({5, 5, 5}, {0, 0, 0}, {4, 2, 1}), test::linear_function));
   Progress progress;

@@ -1,4 +1,4 @@
-// Tetrahedra out of volumes: what is turned, cut, left out, and how vertices are found by their numbers.
+// Conversion of volumes to tetrahedra: turned, subdivided and removed cells, and vertex numbers.
 #include "sansmesh/dataset/tet_dataset.h"
 
 #include <gtest/gtest.h>
@@ -36,12 +36,12 @@ std::string why_not(const GridData& data) {
   return {};
 }
 
-TEST(TetDataset, TurnsDropsAndKeepsNumbers) {
+TEST(TetDataset, TurnsAndRemovesCellsAndKeepsNumbers) {
   GridData data;
   GridBlock& b = data.blocks.emplace_back(cube_corners());
-  b.points.insert(b.points.begin(), Vec3{9, 9, 9});  // of no cell
+  b.points.insert(b.points.begin(), Vec3{9, 9, 9});  // unused point
   add_tet(b, {1, 2, 3, 5});
-  add_tet(b, {1, 3, 2, 5});  // the same inside out
+  add_tet(b, {1, 3, 2, 5});  // a duplicate, inverted
   add_tet(b, {8, 4, 7, 6});
   for (std::uint64_t k = 0; k < 9; ++k) b.point_numbers.push_back(10 * k + 3);
   b.point_arrays.set("warmth", std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8});
@@ -65,7 +65,7 @@ TEST(TetDataset, TurnsDropsAndKeepsNumbers) {
   EXPECT_EQ(d.notes[2], "1 point without tetrahedra left out");
 }
 
-TEST(TetDataset, CutsOtherCellsIntoAsMuchVolume) {
+TEST(TetDataset, SubdivisionKeepsTheVolume) {
   GridData data;
   GridBlock& b = data.blocks.emplace_back(cube_corners());
   b.cells.add(CellShape::hexahedron, std::vector<std::uint32_t>{0, 1, 3, 2, 4, 5, 7, 6});
@@ -87,7 +87,7 @@ TEST(TetDataset, CutsOtherCellsIntoAsMuchVolume) {
   EXPECT_EQ(two.vertex(9 + 4), 5u);
 }
 
-TEST(TetDataset, SaysWhyNot) {
+TEST(TetDataset, ErrorsNameTheReason) {
   GridData data;
   EXPECT_EQ(why_not(data), "holds no tetrahedra");
   data.blocks.emplace_back(cube_corners()).kind = GridKind::lattice;

@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
-using Method = std::string;  // its name
+using Method = std::string;  // name of a method
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
@@ -31,7 +31,7 @@ ReconstructionOptions by(const Method& method) {
   return options;
 }
 
-/// The arrays of points or of cells alone.
+/// Only the arrays of points or of cells.
 GridData only(GridData data, Association of) {
   for (GridBlock& block : data.blocks) (of == Association::points ? block.cell_arrays : block.point_arrays).clear();
   return data;
@@ -44,7 +44,7 @@ struct AnswersOfField {
   friend bool operator==(const AnswersOfField&, const AnswersOfField&) = default;
 };
 
-/// At places in the volume and around it. Numbers are compared: none is a NaN.
+/// Answers at points inside and around the volume, without NaN, for comparison.
 AnswersOfField answers_of(const VolumeField& field, const SampledVolume& volume) {
   std::vector<Vec3> x = places_within(volume, 150);
   const Box3 box = volume.bounds();
@@ -116,9 +116,9 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
   expect_same_field(bent_grid({6, 7, 5}, wavy), wide);
 }
 
-TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
-  // Half more at each sample is half more everywhere, though the values in the file are what they were: where the sum
-  // is all, and linear interpolation, which takes the values, has no share.
+TEST_F(VolumeFile, UsesStoredCoefficientsInsteadOfAFit) {
+  // Adding a half to each coefficient adds a half everywhere where linear interpolation, which uses the unchanged
+  // values in the file, has no share.
   Progress progress;
   VolumeDataset dataset(bent_grid({6, 7, 5}, wavy));
   write_volume_file(folder_ / "f.smv", dataset.fit("f", by("amls"), false, progress));
@@ -137,7 +137,7 @@ TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
 }
 
-TEST_F(VolumeFile, IsTheSameForAnyNumberOfThreadsAndWhenWrittenAgain) {
+TEST_F(VolumeFile, IsDeterministicAndRewritesIdentically) {
   const auto bytes = [&] {
     Progress progress;
     VolumeDataset dataset(three_overlapping_blocks(6, wavy));
@@ -167,7 +167,7 @@ TEST_F(VolumeFile, MayBeGzipped) {
   EXPECT_TRUE(slurp(folder_ / "unpacked.smv") == slurp(folder_ / "f.smv"));
 }
 
-/// Two arrays of points, of which one is of three numbers with one that is unknown, and one of cells.
+/// Two point arrays, one with three components and an unknown value, and one cell array.
 GridData several_arrays() {
   GridData data = bent_grid({5, 6, 4}, wavy);
   data.format = "made grid";
@@ -183,12 +183,12 @@ GridData several_arrays() {
   return data;
 }
 
-TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
+TEST_F(VolumeFile, KeepsArraysFactsAndNotes) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   VolumeDataset opened = stored(dataset.fit("where", by("linear"), true, progress));
   EXPECT_EQ(opened.default_array().name, "where");
-  ASSERT_EQ(opened.arrays().size(), 2u);  // none of cells
+  ASSERT_EQ(opened.arrays().size(), 2u);  // no cell arrays
   for (const DatasetArray& a : opened.arrays()) {
     const DatasetArray& b = dataset.array(a.name);
     EXPECT_EQ(a.of, Association::points);
@@ -211,7 +211,7 @@ TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
   EXPECT_THROW(opened.volume(Association::cells, progress), DataError);
 }
 
-TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
+TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   ReconstructionOptions planes = by("mls-detail");
@@ -228,14 +228,14 @@ TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
   ReconstructionOptions cubics = by("mls-detail");
   cubics.degree = 3;
   expect_same("f", cubics);
-  // What is not said is as it is in the file.
+  // Absent options match those of the file.
   ReconstructionReport report;
   opened.field({"f", {}, false}, by("mls-detail"), progress, &report);
   EXPECT_EQ(report.options.degree, 1);
   EXPECT_EQ(report.by_degree[2] + report.by_degree[3], 0u);
 }
 
-TEST_F(VolumeFile, SaysWhatItHoldsWhereSomethingElseIsAskedFor) {
+TEST_F(VolumeFile, ErrorsNameItsArrays) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   VolumeDataset opened = stored(dataset.fit("f", by("linear"), false, progress));
@@ -248,7 +248,7 @@ TEST_F(VolumeFile, SaysWhatItHoldsWhereSomethingElseIsAskedFor) {
   EXPECT_THROW(opened.field({"f", {}, false}, by("cubic"), progress), ArgumentError);  // no lattice
 }
 
-TEST_F(VolumeFile, LeavesNothingBehindWhereItCannotBeWritten) {
+TEST_F(VolumeFile, FailedWritesLeaveNoFile) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   FittedVolume fitted = dataset.fit("f", by("mls-detail"), false, progress);

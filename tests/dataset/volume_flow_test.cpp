@@ -1,4 +1,4 @@
-// Flows in time: between steps, at steps, and how often steps are read.
+// Flows in time: values between and at steps, and the number of reads.
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/flow/trace.h"
 
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kStepBytes = 1000;
 
-/// v(x) of a step in the cube [-2, 2]³; counts those that live.
+/// v(x) of a step in the cube [-2, 2]³; counts existing instances.
 class StepField final : public VolumeField {
  public:
   StepField(std::function<Vec3(const Vec3&)> v, std::shared_ptr<int> alive)
@@ -76,7 +76,7 @@ struct Series {
   std::vector<double> times;
   std::vector<std::size_t> loads;
   std::shared_ptr<int> alive = std::make_shared<int>(0);
-  int most = 0;  ///< that lived at one time
+  int most = 0;  ///< largest number of simultaneous instances
   std::size_t broken = ~std::size_t{0};
   std::mutex mutex;
 };
@@ -101,7 +101,7 @@ TEST(FlowInTime, InterpolatesBetweenStepsAndIsExactAtThem) {
     const double before = std::floor(t), u = t - before;
     EXPECT_EQ(at(*constant, t), square({}, before));
     EXPECT_NEAR(at(*linear, t).x, before * before + u * (2 * before + 1), 1e-12);
-    // The slopes at the first and last step are of one interval alone.
+    // The slopes at the first and last step come from one interval only.
     if (t >= 1 && t <= 4) EXPECT_NEAR(at(*cubic, t).x, t * t, 1e-12);
     for (const auto* flow : {&linear, &cubic}) EXPECT_NEAR(at(**flow, t).y, t, 1e-12);
     if (u == 0)
@@ -109,8 +109,8 @@ TEST(FlowInTime, InterpolatesBetweenStepsAndIsExactAtThem) {
   }
 }
 
-/// Batches of one interval go another way than those of several.
-TEST(FlowInTime, AnAnswerDependsOnItsPlaceAndMomentAlone) {
+/// Batches within one interval use another code path than mixed ones.
+TEST(FlowInTime, AnswersDependOnPointAndTimeAlone) {
   for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
     Series series(6, swaying);
     const auto flow = series.flow(interpolation, 10 * kStepBytes);
@@ -134,8 +134,8 @@ TEST(FlowInTime, AnAnswerDependsOnItsPlaceAndMomentAlone) {
   }
 }
 
-/// Grids that move: where a moment between two steps is, both must be.
-TEST(FlowInTime, AStepIsAskedAloneAtItsMoment) {
+/// Moving grids: between two steps both must contain the point.
+TEST(FlowInTime, OnlyOneStepIsUsedAtItsTime) {
   Series series(4, swaying);
   series.broken = 2;
   const auto flow = series.flow(TimeInterpolation::linear, 0);
@@ -143,11 +143,11 @@ TEST(FlowInTime, AStepIsAskedAloneAtItsMoment) {
   EXPECT_NO_THROW(at(*flow, 0.5));
   EXPECT_THROW(at(*flow, 1.5), DataError);
   EXPECT_THROW(at(*flow, 2), DataError);
-  EXPECT_NO_THROW(at(*flow, 3));  // that another could not be read ahead is no matter
+  EXPECT_NO_THROW(at(*flow, 3));  // a failure to read ahead is ignored
   EXPECT_NO_THROW(at(*flow, 0.5));
 }
 
-TEST(FlowInTime, SaysWhichTimesAreWrong) {
+TEST(FlowInTime, ErrorsNameWrongTimes) {
   const auto load = [](std::size_t) -> FlowStep { throw DataError("nothing is to be read"); };
   const auto why = [&](const std::vector<double>& times) {
     try {
@@ -163,7 +163,7 @@ TEST(FlowInTime, SaysWhichTimesAreWrong) {
   EXPECT_NE(why({0, std::nan(""), 1}).find("time of step 1"), std::string::npos);
 }
 
-/// Particles that arrive at a step at different tries do not make neighbouring steps go and come.
+/// Particles that reach a step in different tries do not cause repeated reads of neighbouring steps.
 TEST(FlowInTime, OnePassReadsEachStepOnce) {
   for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
     Series series(30, swaying);
@@ -174,7 +174,7 @@ TEST(FlowInTime, OnePassReadsEachStepOnce) {
     Progress progress;
     trace_lines(*flow, seeds, std::vector<double>(seeds.size(), 0.0), options, progress);
     EXPECT_EQ(series.loads.size(), 30u);
-    // Those of the moment, the one ahead, and one that is put in before another goes.
+    // The current steps, the one ahead, and one that is added before another is removed.
     EXPECT_LE(series.most, (interpolation == TimeInterpolation::cubic ? 4 : 2) + 2);
   }
 }
@@ -191,7 +191,7 @@ TEST(FlowInTime, KeepsAsManyStepsAsTheMemoryHolds) {
       if (room > 20) {
         EXPECT_EQ(series.loads.size(), 20u);
       } else {
-        // Passes after the first begin with what was kept; the room for the one ahead may be empty at times.
+        // Later passes begin with the steps kept; the slot for the one ahead may be empty temporarily.
         EXPECT_GE(series.loads.size(), 20 + 2 * (20 - std::max<std::size_t>(room, 3))) << room;
         EXPECT_LE(series.loads.size(), 20 + 2 * std::min<std::size_t>(20, 24 - std::max<std::size_t>(room, 4))) << room;
       }
@@ -201,7 +201,7 @@ TEST(FlowInTime, KeepsAsManyStepsAsTheMemoryHolds) {
   }
 }
 
-TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
+TEST(FlowInTime, ReadingAheadOutlivesTheCall) {
   std::atomic<bool> go = false;
   std::vector<std::size_t> taken;
   const auto load = [&](std::size_t i) {
@@ -216,7 +216,7 @@ TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
   {
     Progress first;
     const CancelScope scope(first);
-    at(*flow, 0.5);  // step 2 is read ahead from here on
+    at(*flow, 0.5);  // reads step 2 ahead from here on
   }
   {
     Progress second;
@@ -234,7 +234,7 @@ TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
   flow.reset();  // does not wait for the step
 }
 
-TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {
+TEST(FlowInTime, PathSurfacesOfEqualStepsAreStreamSurfaces) {
   const auto saddle = [](const Vec3& x, double) { return Vec3{x.x, -x.y, 0} * 0.5; };
   const SeedCurve curve{{{-0.1, 1.5, 0}, {0.15, 1.5, 0.3}}, false};
   for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
@@ -255,8 +255,8 @@ TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {
   }
 }
 
-/// Fronts that particles are put into go back to the seeds' moment, in parts on several threads.
-TEST(FlowInTime, SurfacesAreTheSameWhateverIsKept) {
+/// Fronts with inserted particles restart at the seeds' time, partly in parallel.
+TEST(FlowInTime, SurfacesDoNotDependOnTheStepsKept) {
   const auto shear = [](const Vec3& x, double t) { return Vec3{0.05 + 0.2 * x.y * x.y * (1 + 0.1 * t), 0, 0}; };
   const SeedCurve curve{{{-1.9, -1, 0}, {-1.9, 1, 0}}, false};
   FlowSurfaceOptions options;
@@ -277,12 +277,11 @@ TEST(FlowInTime, SurfacesAreTheSameWhateverIsKept) {
   EXPECT_EQ(all.loads.size(), 16u);
   EXPECT_GT(some.loads.size(), 16u);
   EXPECT_GT(none.loads.size(), some.loads.size());
-  // Those that are traced from the seeds take others with them that are going to be needed: a few passes, not one for
-  // each front that got some.
+  // Restarted traces include others that will be needed: a few passes in all, not one per front.
   EXPECT_LT(none.loads.size(), 16 * 8u);
 }
 
-/// Particles that were traced ahead of the front that takes them lie where the flow takes them, as all others do.
+/// Particles traced ahead of their front are on the surface like all others.
 TEST(FlowInTime, ParticlesTracedAheadAreOnTheSurface) {
   const auto shear = [](const Vec3& x, double t) { return Vec3{0.02 + 0.1 * x.y * x.y * (1 + 0.1 * t), 0, 0}; };
   for (const std::string_view integrator : {"dopri5", "euler"}) {

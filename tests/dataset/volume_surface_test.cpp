@@ -1,4 +1,4 @@
-#include "sansmesh/dataset/volume_surface.h"
+#include "sansmesh/dataset/mesh_volume_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -26,13 +26,13 @@ namespace {
 constexpr Vec3 kMiddle{0.52, 0.5, 0.47};
 constexpr double kRadius = 0.3;
 
-/// A ball of 1 in 0, blurred by a Gaussian of the given width.
+/// A ball of value 1 in 0, blurred by a Gaussian of the given width.
 test::VolumeFunction ball(double blur) {
   return
       [blur](const Vec3& x) { return 0.5 * std::erfc((norm(x - kMiddle) - kRadius) / (std::numbers::sqrt2 * blur)); };
 }
 
-/// With noise that depends on the place alone.
+/// Adds noise that depends only on the position.
 test::VolumeFunction noisy(test::VolumeFunction f, double sigma) {
   return [f = std::move(f), sigma](const Vec3& x) {
     std::seed_seq seed{static_cast<int>(1e6 * x.x), static_cast<int>(1e6 * x.y), static_cast<int>(1e6 * x.z)};
@@ -66,7 +66,7 @@ VolumeSurfaceOptions at(double value) {
   return options;
 }
 
-/// Largest distance of a vertex to the sphere, and mean angle of the normals there, in degrees.
+/// Largest distance of a vertex to the sphere, and mean angle between normals there, in degrees.
 struct Errors {
   double most = 0, angle = 0;
 };
@@ -123,7 +123,7 @@ TEST(VolumeSurface, OfABallIsAClosedSphereOnEveryGrid) {
   }
 }
 
-/// Two in a hundred of noise move trilinear surfaces by a tenth of a step, and tilt them by degrees.
+/// Noise of 2 % moves trilinear surfaces by a tenth of a step, and tilts them by degrees.
 TEST(VolumeSurface, IsSmoothInNoise) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
   const double step = 1.0 / 40;
@@ -131,8 +131,8 @@ TEST(VolumeSurface, IsSmoothInNoise) {
   expect_sphere(surface_of(m, at(0.5), 0.02), 0.15 * step, 0.6);
 }
 
-/// Where brightness fades from one side to the other by a factor of three, no single value follows the border.
-TEST(VolumeSurface, HighGradientFollowsABorderThatNoValueDoes) {
+/// If brightness fades from one side to the other by a factor of three, no iso-value follows the border.
+TEST(VolumeSurface, HighGradientFollowsBordersWithoutAnIsovalue) {
   const double step = 1.0 / 32;
   const auto f = ball(step);
   const auto fading = [&](const Vec3& x) { return (1 + f(x)) * (1.5 - 1.0 * x.x); };
@@ -161,7 +161,7 @@ TEST(VolumeSurface, PointsLieOnItEvenly) {
   Progress progress;
   for (const double distance : {step, 0.5 * step}) {
     const PointSet points = sample_volume_surface(surface, distance, progress);
-    // Discs of half the distance fill between four and nine tenths of the area.
+    // Discs of half the distance cover between four and nine tenths of the area.
     const double discs = static_cast<double>(points.size()) * distance * distance / (16 * kRadius * kRadius);
     EXPECT_GT(discs, 0.44);
     EXPECT_LT(discs, 0.91);
@@ -173,8 +173,8 @@ TEST(VolumeSurface, PointsLieOnItEvenly) {
   }
 }
 
-TEST(VolumeSurface, PointsStayInTheVolumeAndAreAsDenseWhereSamplesAreCoarse) {
-  // Steps grow from one side to the other, by ten in all.
+TEST(VolumeSurface, PointsStayInTheVolumeWithUniformDensity) {
+  // Steps grow from one side to the other, by a factor of ten.
   const Made m = made_of(test::stretched_grid(
       {25, 25, 17}, [](const Vec3& x) { return x.z - 0.4; }, 1.1));
   const VolumeSurface surface = surface_of(m, at(0));
@@ -190,7 +190,7 @@ TEST(VolumeSurface, PointsStayInTheVolumeAndAreAsDenseWhereSamplesAreCoarse) {
   EXPECT_THROW(sample_volume_surface(surface, 1e-9, progress), ArgumentError);
 }
 
-/// The units of lengths and values do not matter.
+/// The result is independent of the units of lengths and values.
 TEST(VolumeSurface, IsTheSameInHugeAndTinyUnits) {
   const double step = 1.0 / 24;
   for (const double unit : {1e-25, 1e25}) {
@@ -205,8 +205,8 @@ TEST(VolumeSurface, IsTheSameInHugeAndTinyUnits) {
   }
 }
 
-/// What stands in a handful of samples alone is no part of the surface, unless all parts are asked for.
-TEST(VolumeSurface, PartsThatTheWeightsCannotTellAreLeftOut) {
+/// Parts represented by only a few samples are removed, unless all parts are requested.
+TEST(VolumeSurface, UnresolvedPartsAreRemoved) {
   const double step = 1.0 / 32;
   const auto f = ball(step);
   const Vec3 speck{3 * step, 4 * step, 5 * step};
@@ -224,9 +224,9 @@ TEST(VolumeSurface, PartsThatTheWeightsCannotTellAreLeftOut) {
   EXPECT_EQ(of_all.components, 2);
 }
 
-/// Beside a border ten times as strong the faint one is found, but not where gradients are measured against the
-/// strongest, nor where it is fainter than the least that counts.
-TEST(VolumeSurface, FaintBordersCountUnlessToldOtherwise) {
+/// Next to a border ten times as strong the faint one is found, but not with gradients relative to the global maximum,
+/// nor below the smallest gradient requested.
+TEST(VolumeSurface, FaintBordersCountByDefault) {
   const auto f = [](const Vec3& x) { return std::tanh((x.z - 0.3) * 30) + 0.15 * std::tanh((x.z - 0.7) * 30); };
   const Made m = made_of(test::lattice_grid({17, 17, 33}, f));
   const auto height_of = [&](const VolumeSurfaceOptions& o) {
@@ -248,7 +248,7 @@ TEST(VolumeSurface, FaintBordersCountUnlessToldOtherwise) {
   EXPECT_NEAR(height_of(options), 0.3, 0.02);
 }
 
-TEST(VolumeSurface, WeightsAreWiderWithNoiseAndAsAsked) {
+TEST(VolumeSurface, WidthOfWeightsFollowsNoiseAndOptions) {
   const double step = 1.0 / 24;
   const Made m = made_of(test::lattice_grid({25, 25, 25}, ball(step)));
   VolumeSurfaceOptions steep;
@@ -261,8 +261,8 @@ TEST(VolumeSurface, WeightsAreWiderWithNoiseAndAsAsked) {
   }
 }
 
-/// What rays and polygonisers ask differs little from the projection itself.
-TEST(VolumeSurface, FeetStandForTheProjection) {
+/// The field of rays and polygonisers differs little from the projection itself.
+TEST(VolumeSurface, FieldOfFeetApproximatesTheProjection) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
   const double step = 1.0 / 24;
   const Made m = made_of(test::lattice_grid({25, 25, 25}, noisy(ball(step), 0.02)));
@@ -289,7 +289,7 @@ TEST(VolumeSurface, DoesNotDependOnThreads) {
   });
 }
 
-TEST(VolumeSurface, SaysWhatIsWrong) {
+TEST(VolumeSurface, ErrorsNameTheCause) {
   const Made m = made_of(test::lattice_grid({9, 9, 9}, ball(0.1)));
   EXPECT_THROW(surface_of(m, at(7)), DataError);
   EXPECT_THROW(surface_of(m, at(-1e-9)), DataError);  // where layers would still reach

@@ -1,5 +1,5 @@
-// Files of fitted volumes that are damaged, and ones with right checksums and wrong contents: reading them ends with
-// one FileError.
+// Reading damaged files of fitted volumes, and files with correct checksums and wrong contents, throws exactly one
+// FileError.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ class WrongVolumeFile : public ::testing::Test {
   static void SetUpTestSuite() {
     GridData cells = bent_grid({5, 5, 4}, linear_function);
     cells.blocks[0].point_arrays.clear();
-    mesh_ = fitted_bytes(cells, "mls-detail");  // of values of cells: has all sections but one
+    mesh_ = fitted_bytes(cells, "mls-detail");  // cell values: has all sections but one
     lattice_ = fitted_bytes(lattice_grid({4, 5, 3}, linear_function), "mls-detail");
   }
 
@@ -87,7 +87,7 @@ TEST_F(WrongVolumeFile, TruncatedOrGarbledBytes) {
     for (std::size_t n = 1; n < good->size(); n += n < 200 ? 7 : 1 + good->size() / 40)
       expect_bad(good->substr(0, n), n < 8 ? "is not a fitted volume" : "truncated", std::to_string(n) + " bytes");
     expect_bad(*good + std::string(64, '\0'), "damaged", "longer");
-    // What lies in sections is covered by checksums; what lies between is not used.
+    // Checksums cover the sections; the bytes in between are unused.
     const std::vector<RawSection> sections = unpacked(*good);
     std::size_t table = kHeaderBytes;
     for (const RawSection& s : sections) {
@@ -120,7 +120,7 @@ TEST_F(WrongVolumeFile, OtherKindsOfFiles) {
   EXPECT_TRUE(is_volume_name(file));
 }
 
-TEST_F(WrongVolumeFile, SectionsThatAreMissingOrOfAnotherSize) {
+TEST_F(WrongVolumeFile, MissingOrResizedSections) {
   for (const std::string* const good : {&mesh_, &lattice_}) {
     const std::vector<RawSection> sections = unpacked(*good);
     for (std::size_t k = 0; k < sections.size(); ++k) {
@@ -185,7 +185,7 @@ TEST_F(WrongVolumeFile, Coefficients) {
     expect_bad_element<std::uint64_t>(mesh_, "COEFFBEG", k, [](std::uint64_t& at) { at += 3; });
 }
 
-TEST_F(WrongVolumeFile, BytesAtRandomUnderRightChecksums) {
+TEST_F(WrongVolumeFile, RandomBytesWithCorrectChecksums) {
   std::mt19937 random(11);
   std::size_t read = 0;
   for (int k = 0; k < 200; ++k) {
@@ -194,7 +194,7 @@ TEST_F(WrongVolumeFile, BytesAtRandomUnderRightChecksums) {
     for (int flips = 0; flips < 3; ++flips) s.bytes[random() % s.bytes.size()] ^= static_cast<char>(1 << random() % 8);
     const std::string file = folder_.put("bad.smv", packed(sections, "SMV", 0));
     try {
-      // What is read can be asked, whatever it answers.
+      // Volumes that were read can be evaluated, with any result.
       VolumeDataset dataset(read_volume_file(file));
       Progress progress;
       const auto field = dataset.field({dataset.fitted()->array, {}, false}, dataset.fitted()->options, progress);
@@ -217,7 +217,8 @@ TEST_F(WrongVolumeFile, Descriptions) {
   const Json all_wrong[] = {nullptr, true, -1, "text", Json::array(), Json::object()};
   for (const auto& [path, value] : flat.items()) {
     for (const Json& wrong : all_wrong) {
-      // Names and notes may be any text, other values are right by chance: there nothing but a volume may come out.
+      // Names and notes may be any text, and other values may be valid by chance: then reading must give a valid
+      // volume.
       std::vector<RawSection> sections = unpacked(mesh_);
       Json json = good;
       json[Json::json_pointer(path)] = wrong;

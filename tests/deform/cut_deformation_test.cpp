@@ -71,7 +71,7 @@ TEST(CutDeformation, HandlesStayExactAndSeveralCutsSumUp) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 x = random_point(random, 1.3);
     const MapAt found = map_at(both, x);
-    // The deeper of the gaps that the sources of both cuts together say.
+    // The deeper of the gaps that the common sources give for both cuts.
     const double depth = std::max(test::gap(*slot(), x, found.position, found.jacobian).depth,
                                   test::gap(*other, x, found.position, found.jacobian).depth);
     EXPECT_NEAR(found.gap, depth, 1e-9);
@@ -100,9 +100,9 @@ TEST(CutDeformation, SidesPartAndMeetAtTheEdge) {
   EXPECT_GT(jump(0.8), 0.2);
   EXPECT_GT(jump(0.8), jump(0.3));
   EXPECT_LT(jump(-0.09), 0.05);
-  EXPECT_LT(jump(-0.0999), 5e-4);  // falls to nothing towards the edge
+  EXPECT_LT(jump(-0.0999), 5e-4);  // vanishes towards the edge
   EXPECT_LT(jump(-0.2), 1e-7);
-  // Continuous on a way around the edge, at steps of any size.
+  // Continuous on a path around the edge, at steps of any size.
   for (const int steps : {1000, 20000}) {
     double most = 0;
     Vec3 before;
@@ -140,7 +140,7 @@ TEST(CutDeformation, SolidsComeOutClosedWithSmoothFaces) {
   const Solid ball = csg::sphere({}, 0.9);
   for (const bool by_mesh : {false, true}) {
     CutList cuts{slot()};
-    if (by_mesh) {  // the same half-plane, as far as the ball goes
+    if (by_mesh) {  // the same half-plane, as far as the ball reaches
       TriangleMesh sheet;
       sheet.vertices = {{-0.1f, -1.5f, 0}, {1.6f, -1.5f, 0}, {1.6f, 1.5f, 0}, {-0.1f, 1.5f, 0}};
       sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -159,7 +159,7 @@ TEST(CutDeformation, SolidsComeOutClosedWithSmoothFaces) {
     const TriangleMesh mesh = mesh_csg(field, options, progress, &report);
     EXPECT_TRUE(report.closed);
     EXPECT_TRUE(measure_topology(mesh).closed());
-    // Vertices of the faces lie where what is there comes from the plane, or in it.
+    // Sources of face vertices are on the plane, or the vertices are.
     std::size_t on_faces = 0;
     double farthest = 0;
     for (const Vec3f& v : mesh.vertices) {
@@ -170,7 +170,7 @@ TEST(CutDeformation, SolidsComeOutClosedWithSmoothFaces) {
       farthest = std::max(farthest, std::min(std::abs(x.z), std::abs(at.position.z)));
     }
     EXPECT_GT(on_faces, 60u);
-    EXPECT_LT(farthest, 0.01);  // of cells of 0.08
+    EXPECT_LT(farthest, 0.01);  // cells of 0.08
   }
 }
 
@@ -210,7 +210,7 @@ TEST(CutDeformation, SegmentsAskFromFewPlaces) {
                 1e-5);
     }
   }
-  EXPECT_LE(cut->places.size(), 7u + 17u);  // what is kept for each of them is bounded
+  EXPECT_LE(cut->places.size(), 7u + 17u);  // bounded cache per handle
 }
 
 TEST(CutDeformation, MeshesOpenAndPart) {
@@ -223,7 +223,7 @@ TEST(CutDeformation, MeshesOpenAndPart) {
   const TriangleMesh moved = deform_mesh(opened, forward);
   EXPECT_TRUE(measure_topology(moved).closed());
   ASSERT_EQ(moved.vertices.size(), opened.vertices.size());
-  // Copies of a vertex go their own ways, those at the cut's border with each other.
+  // Copies of a vertex move separately, those at the cut's border together.
   const std::vector<float>& sides = *opened.attributes.find<float>(kCutSide);
   double widest = 0;
   for (std::size_t v = 0; v < opened.vertices.size(); ++v) {
@@ -233,7 +233,7 @@ TEST(CutDeformation, MeshesOpenAndPart) {
     widest = std::max(widest, static_cast<double>(std::abs(up)));
   }
   EXPECT_GT(widest, 0.2);
-  // Handles that do not move leave all as it was.
+  // Handles that do not move leave the mesh unchanged.
   const TriangleMesh still = deform_mesh(opened, MlsDeformation(reversed(opening_handles(0)), damped(), cuts));
   for (std::size_t v = 0; v < opened.vertices.size(); ++v)
     EXPECT_LT(norm(still.vertices[v] - opened.vertices[v]), 1e-6f);
@@ -297,7 +297,7 @@ TEST(CutMap, IsExactBesideCutsAndNearElsewhere) {
 TEST(CutMap, CutsNarrowerThanCellsCount) {
   const Box3 box{{-2, -2, -2}, {2, 2, 2}};
   Progress progress;
-  std::vector<CutList> all;  // between the lines of the lattice; so small that they lie within a cell; a mesh
+  std::vector<CutList> all;  // between lines of the lattice; small enough to fit in a cell; a mesh
   all.push_back({polygon_occluder({{{0.01, 0.02, -1.5}, {0.01, 0.1, -1.5}, {0.01, 0.1, 1.5}, {0.01, 0.02, 1.5}}})});
   all.push_back({polygon_occluder({{{0.05, 0.02, 0.02}, {0.06, 0.1, 0.03}, {0.055, 0.06, 0.1}}})});
   TriangleMesh strip;
@@ -328,7 +328,7 @@ TEST(CutMap, BeyondItsBoxNothingJumpsButAtCuts) {
   const CutList cuts{slot()};
   const auto exact = std::make_shared<const MlsDeformation>(opening_handles(0.4), damped(), cuts);
   Progress progress;
-  // The cut lies between nodes: cells beside it are asked exactly, and where the box ends that must not show.
+  // The cut is between nodes: cells next to it are exact, and the end of the box must not be noticeable.
   const CutMap map(exact, cuts, {{-0.6, -0.6, -0.61}, {0.6, 0.6, 0.59}}, {25, 25, 25}, progress);
   std::vector<Vec3> x;
   for (int i = 0; i <= 20000; ++i) x.push_back({0.3, 0.9, -0.5 + i * 5e-5});
@@ -364,7 +364,7 @@ TEST(CutDeformation, JacobiansBesideMeshesAreThoseOfDifferences) {
       const Vec3 slope = (map_at(map, x + step).position - map_at(map, x - step).position) / 2e-6;
       differs = differs || norm(found.jacobian[k] - slope) > 2e-3;
     }
-    off += differs;  // at faces of cells ways have kinks
+    off += differs;  // detours have kinks at faces of cells
   }
   EXPECT_GT(shadowed, 100);
   EXPECT_LE(off, shadowed / 50);

@@ -1,4 +1,4 @@
-// What tests of cuts share.
+// Shared by tests of cuts.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ inline bool blocked(const Occluder& cut, const Vec3& a, const Vec3& b) {
   return !found.empty();
 }
 
-/// An L with a square hole, tilted.
+/// A tilted L with a square hole.
 inline const std::vector<std::vector<Vec3>>& l_shape() {
   static const std::vector<std::vector<Vec3>> loops = [] {
     const std::vector<std::vector<std::array<double, 2>>> flat = {

@@ -1,4 +1,4 @@
-// Half-planes and polygons as cuts: ways around them and the gaps that they leave.
+// Half-planes and polygons as cuts: detours around them and gaps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ std::vector<std::shared_ptr<const PlanarOccluder>> planar_cuts() {
   return {test::tilted_half_plane(), polygon_occluder(test::l_shape())};
 }
 
-/// The shortest way over points of the border, close to each other.
+/// The shortest path over densely sampled points of the border.
 double brute_force_way(const PlanarOccluder& cut, const Vec3& h, const Vec3& x) {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& border : cut.borders())
@@ -57,7 +57,7 @@ TEST(PlanarCut, WaysAroundAreTheShortest) {
   }
 }
 
-/// Largest difference of `value` between neighbours of n + 1 places from 0 to 1.
+/// Largest difference of `value` between neighbours of n + 1 parameters from 0 to 1.
 template <class Value>
 double largest_jump(int n, const Value& value) {
   double most = 0, before = value(0.0);
@@ -83,7 +83,7 @@ TEST(PlanarCut, DampingIsContinuousAcrossTheShadowsEdgeAndAsPrintedJumps) {
     return blocked(*cut, h, place(t)) ? d / (d + d + extra) : 1.0;
   };
   EXPECT_LT(largest_jump(2000, damping), 2e-3);
-  EXPECT_LT(largest_jump(200000, damping), 2e-5);  // as small as the steps
+  EXPECT_LT(largest_jump(200000, damping), 2e-5);  // proportional to the steps
   EXPECT_GT(largest_jump(2000, printed), 0.4);
   EXPECT_GT(largest_jump(200000, printed), 0.4);
 }
@@ -108,7 +108,7 @@ TEST(PlanarCut, WaysGrowWithOcclusion) {
   const Vec3 h{0.5, 0, 0.7};
   const auto cut = half_plane({0, 0, 0}, {0, 0, 1}, {1, 0, 0});
   double before = 0;
-  for (int i = 1; i <= 1000; ++i) {  // around the edge, from where its shadow begins
+  for (int i = 1; i <= 1000; ++i) {  // around the edge, from the beginning of its shadow
     const double angle = std::atan2(0.7, 0.5) + std::numbers::pi + i * 1e-3;
     const Vec3 x{0.8 * std::cos(angle), 0.1, 0.8 * std::sin(angle)};
     if (x.z >= 0) break;
@@ -139,7 +139,7 @@ TEST(PlanarCut, GradientsOfWaysAreThoseOfDifferences) {
   }
 }
 
-/// Where what is at x comes from, for the tests: smooth, with its derivatives.
+/// A smooth source map with derivatives.
 Vec3 source_of(const Vec3& x, std::array<Vec3, 3>* jacobian = nullptr) {
   if (jacobian)
     *jacobian = {Vec3{1, 0.2 * std::cos(x.x), 0.3}, Vec3{0, 1, 0.5 * std::cos(2 * x.y)}, Vec3{0.1, 0, 1 - 0.4 * x.z}};
@@ -157,7 +157,7 @@ TEST(PlanarCut, GapsAreWhereTheSourceIsAcross) {
       open += depth > 0;
     }
     EXPECT_GT(open, 100);
-    // Nothing moves: no gap anywhere.
+    // Without motion: no gap anywhere.
     const Vec3 on = cut->in_space({0.01, 0.02});
     EXPECT_LE(gap(*cut, on, on, {}).depth, 0);
     EXPECT_LT(gap(*cut, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {}).depth, 0);
@@ -194,7 +194,7 @@ TEST(PlanarCut, GapsAreContinuousWithGradients) {
 
 TEST(PlanarCut, NearItsFacesTheDepthOfAGapIsTheDistance) {
   const auto cut = half_plane({0, 0, 0}, {0, 0, 1}, {1, 0, 0});
-  // What was at z > 0 has moved up by 0.2: the gap is 0 < z < 0.2.
+  // Matter at z > 0 has moved up by 0.2: the gap is 0 < z < 0.2.
   const std::array<Vec3, 3> same = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   for (const double d : {1e-3, 1e-4}) {
     const Gap lower = gap(*cut, {0.5, 0, d}, {0.5, 0, d - 0.2}, same);

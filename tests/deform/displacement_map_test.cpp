@@ -19,7 +19,7 @@ DisplacementMap lattice_of(const SpaceMap& map, const std::array<std::size_t, 3>
   return displacement_map(map, kBox, sizes, progress);
 }
 
-/// Places in the box, and some beyond it.
+/// Points in the box, and some outside it.
 std::vector<Vec3> places_in_box(std::size_t n, double beyond = 0) {
   std::vector<Vec3> x = random_places(n, 3, 0.5 + beyond);
   for (Vec3& v : x)
@@ -60,7 +60,7 @@ TEST(DisplacementMap, IsExactForAffineMaps) {
   const Formula map(false);
   const DisplacementMap lattice = lattice_of(map);
   const std::vector<Vec3> x = places_in_box(300);
-  EXPECT_LT(largest_error(lattice, x, [&](const Vec3& v) { return map.at(v); }), 1e-6);  // of floats
+  EXPECT_LT(largest_error(lattice, x, [&](const Vec3& v) { return map.at(v); }), 1e-6);  // rounding to float
   const std::vector<Jacobian> j = jacobians(lattice, x);
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(norm(j[i][k] - map.slopes(x[i])[k]), 1e-5);
@@ -95,7 +95,7 @@ TEST(DisplacementMap, StaysTheSameBeyondItsBox) {
   const Vec3 corner = kBox.upper, beyond = corner + Vec3{1, 2, 3}, beside = kBox.center() + Vec3{5, 0, 0};
   EXPECT_LT(norm(mapped(lattice, {beyond})[0] - beyond - (mapped(lattice, {corner})[0] - corner)), 1e-14);
   const Jacobian j = jacobians(lattice, {beside})[0];
-  EXPECT_EQ(j[0], (Vec3{1, 0, 0}));  // nothing changes on the way out
+  EXPECT_EQ(j[0], (Vec3{1, 0, 0}));  // constant outside
   EXPECT_GT(norm(j[1] - Vec3{0, 1, 0}), 0.1);
   EXPECT_TRUE(std::isnan(mapped(lattice, {{std::numeric_limits<double>::quiet_NaN(), 0, 0}})[0].x));
 }
@@ -108,7 +108,7 @@ TEST(DisplacementMap, ImagesHoldAllThatComesFromABox) {
   for (std::size_t b = 0; b + 1 < corners.size(); b += 2) {
     Box3 box;
     box.extend(corners[b]);
-    // Small ones, and all sizes up to the whole.
+    // Small boxes, and all sizes up to the whole.
     box.extend(b % 4 == 0 ? corners[b] + Vec3{0.02, 0.03, 0.01} : corners[b + 1]);
     std::vector<Vec3> x;
     for (const Vec3& s : shares)
@@ -121,7 +121,7 @@ TEST(DisplacementMap, ImagesHoldAllThatComesFromABox) {
     }
     if (b % 4 != 0) tightest = std::max(tightest, seen.size().x / image.size().x);
   }
-  EXPECT_GT(tightest, 0.4);  // nor is it everything
+  EXPECT_GT(tightest, 0.4);  // bounds are not trivial
 }
 
 TEST(DisplacementMap, KeepsGaps) {
@@ -145,8 +145,8 @@ TEST(DisplacementMap, GoesThroughABlockOfAGrid) {
   const DisplacementMap lattice = lattice_of(Formula(true, true));
   GridBlock block = displacement_block(lattice);
   const DisplacementMap back = displacement_map_of(block);
-  EXPECT_EQ(back.sizes(), lattice.sizes());
-  EXPECT_LT(norm(back.box().upper - kBox.upper), 1e-14);
+  EXPECT_EQ(back.lattice().sizes, lattice.lattice().sizes);
+  EXPECT_LT(norm(back.lattice().box.upper - kBox.upper), 1e-14);
   EXPECT_EQ(back.displacements().copy(), lattice.displacements().copy());
   EXPECT_EQ(back.gaps().copy(), lattice.gaps().copy());
   const auto refuses = [](const GridBlock& b, const char* part) {

@@ -10,7 +10,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// Folded where two balls are turned inside out: along x, positions go back there.
+/// Folded where two balls are turned inside out: x is reversed there.
 class TwoFolds final : public SpaceMap {
  public:
   explicit TwoFolds(bool gap = false) : gap_(gap) {}

@@ -43,7 +43,7 @@ TEST(HandleFile, JsonHoldsAllThatAHandleCanBe) {
   EXPECT_EQ(*h[4].reach, 0.25);
   ASSERT_EQ(h[5].directions.size(), 3u);
   EXPECT_EQ(h[5].directions[1].after, (Vec3{-1, 0, 0}));
-  // What is written is read again as it was.
+  // Written handles are read back unchanged.
   EXPECT_EQ(handles_json(parse_handles(handles_json(h), "again")), handles_json(h));
 }
 
@@ -68,22 +68,23 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
   const std::vector<Bad> all = {
       {"", {"is empty"}},
       {"{", {"is not JSON"}},
-      {"[]", {"'handles'"}},
+      {"[]", {"must be an object"}},
       {R"({"handles": []})", {"no handles"}},
       {R"({"handels": []})", {"'handels'", "known: handles"}},
       {R"({"handles": [{"p": [0,0,0], "Q": [1,1,1]}]})", {"handle 1", "'Q'", "weight"}},
       {R"({"handles": [{"p": [0,0,0]}, {"q": [1,1,1]}]})", {"handle 2", "'p'"}},
-      {R"({"handles": [{"p": [0,0]}]})", {"handle 1", "'p'", "[x, y, z]"}},
-      {R"({"handles": [{"p": [0,0,"a"]}]})", {"'p' must be a number"}},
+      {R"({"handles": [{"p": [0,0]}]})", {"handle 1", "'p' must be three numbers"}},
+      {R"({"handles": [{"p": [0,0,"a"]}]})", {"'p' must be three numbers"}},
       {R"({"handles": [{"p": [0,0,0], "q": [0,0,0], "p_end": [1,0,0]}]})", {"'q_end'"}},
       {R"({"handles": [{"p": [0,0,0], "p_end": [1,0,0], "q_end": [1,0,0]}]})", {"'q'"}},
       {R"({"handles": [{"p": [0,0,0], "q_end": [1,0,0]}]})", {"'p_end'"}},
       {R"({"handles": [{"p": [0,0,0], "p_end": [0,0,0]}]})", {"no length"}},
       {R"({"handles": [{"p": [0,0,0], "weight": 0}]})", {"'weight'"}},
       {R"({"handles": [{"p": [0,0,0], "reach": 1}]})", {"'reach'"}},
-      {R"({"handles": [{"p": [0,0,0], "normal": [0,0,1]}]})", {"'before'"}},
+      {R"({"handles": [{"p": [0,0,0], "normal": [0,0,1]}]})", {"handle 1.normal: must be an object"}},
       {R"({"handles": [{"p": [0,0,0], "normal": {"before": [0,0,1]}}]})", {"'after'"}},
-      {R"({"handles": [{"p": [0,0,0], "normal": {"before": [0,0,0], "after": [1,0,0]}}]})", {"length 0"}},
+      {R"({"handles": [{"p": [0,0,0], "normal": {"before": [0,0,0], "after": [1,0,0]}}]})",
+       {"'before' has no direction"}},
       {R"({"handles": [{"p": [0,0,0], "frame": {"before": [[1,0,0],[0,1,0],[0,0,1]],
          "after": [[1,0,0],[1,1,0],[0,0,1]]}}]})",
        {"right angles"}},
@@ -91,7 +92,7 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
          "after": [[1,0,0],[0,1,0],[0,0,-1]]}}]})",
        {"right-handed"}},
       {R"({"handles": [{"p": [1e999,0,0]}]})", {"too large"}},
-      {R"({"handles": [{"p": [0,0,0], "p": [1,0,0]}]})", {"'p' stands twice"}},
+      {R"({"handles": [{"p": [0,0,0], "p": [1,0,0]}]})", {"'p' is given twice"}},
       {"1,2,3,4,5,six\n", {"line 1"}},
       {"x,y\nu,v\n", {"line 2"}},
       {"1,2,3,4,5,6\n1,2,3\n", {"line 2", "3 numbers"}},
@@ -136,7 +137,7 @@ TEST(HandleFile, PairsOfMeshesGiveHandles) {
   PointSet fewer = after;
   fewer.positions.pop_back();
   EXPECT_THROW(handles_of_pair(before, fewer, some), ArgumentError);
-  // Both ends, and then the middle of what is left.
+  // Both ends, then the middle of the rest.
   EXPECT_EQ(spread_vertices_of(before, 3), (std::vector<std::uint32_t>{0, 19, 9}));
   const std::vector<std::uint32_t> all = spread_vertices_of(before, 100);
   EXPECT_EQ(all.size(), 19u);
@@ -177,7 +178,7 @@ TEST(FoldShapes, LieAroundWhatIsFolded) {
   const Box3f found = bounds(mesh);
   EXPECT_NEAR(found.upper.x, 0.55, 1e-6);  // points up to 0.5, and half a step
   EXPECT_NEAR(found.lower.x, -0.05, 1e-6);
-  // The outside of the block of cells: both faces of the shape's normal agree with its triangles.
+  // The outside of the block of cells: normals agree with the orientation of the triangles.
   double volume = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);

@@ -47,7 +47,7 @@ TEST(HandleMotion, GroupsTurnAsBodies) {
       const std::vector<Handle> h = turned_body(angle, along);
       for (const double share : {0.25, 0.5, 0.9}) {
         const std::vector<Handle> now = handles_at(h, share);
-        // Distances stay, at all times.
+        // Distances are constant in time.
         for (std::size_t i = 0; i < h.size(); ++i)
           for (std::size_t j = 0; j < i; ++j)
             ASSERT_NEAR(norm(now[i].q - now[j].q), norm(h[i].p - h[j].p), 1e-11) << angle;
@@ -55,7 +55,7 @@ TEST(HandleMotion, GroupsTurnAsBodies) {
         ASSERT_NEAR(norm(now[0].directions[0].after), 1, 1e-12);
       }
     }
-  // Half of the way is half of the turn: twice the pose of a half is the whole.
+  // Half of the motion is half of the rotation: the pose at 0.5 equals the whole motion of half the angle.
   const std::vector<Handle> whole = turned_body(1.2, {}), half = turned_body(0.6, {});
   const std::vector<Handle> now = handles_at(whole, 0.5);
   for (std::size_t i = 0; i < now.size(); ++i) EXPECT_LT(norm(now[i].q - half[i].q), 1e-12);
@@ -67,7 +67,7 @@ TEST(HandleMotion, OthersGoStraight) {
   for (Handle& one : h) one.group.clear();
   const std::vector<Handle> now = handles_at(h, 0.25);
   for (std::size_t i = 0; i < h.size(); ++i) EXPECT_LT(norm(now[i].q - (h[i].p * 0.75 + h[i].q * 0.25)), 1e-14);
-  // Their directions turn by the shortest way.
+  // Their directions rotate by the shortest way.
   const Vec3 a = h[0].directions[0].before, b = h[0].directions[0].after, c = now[0].directions[0].after;
   const auto angle = [](const Vec3& u, const Vec3& v) { return std::atan2(norm(cross(u, v)), dot(u, v)); };
   EXPECT_NEAR(angle(a, c), 0.25 * angle(a, b), 1e-12);

@@ -1,4 +1,4 @@
-// Handles for tests, and differences to compare derivatives with.
+// Handles for tests, and finite differences to compare derivatives with.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ inline std::vector<Vec3> random_places(std::size_t n, unsigned seed, double spre
   return x;
 }
 
-/// n handles in −1..1 after the deformation, that come from where `source` says.
+/// n handles in −1..1 after the deformation, with sources given by `source`.
 inline std::vector<Handle> handles_from(std::size_t n, const Deform& source, unsigned seed = 1) {
   std::vector<Handle> handles;
   for (const Vec3& q : random_places(n, seed)) {
@@ -32,7 +32,7 @@ inline std::vector<Handle> handles_from(std::size_t n, const Deform& source, uns
   return handles;
 }
 
-/// Handles that went a random way, of some tenths.
+/// Handles with random displacements of some tenths.
 inline std::vector<Handle> loose_handles(std::size_t n, unsigned seed = 1, double way = 0.3) {
   const std::vector<Vec3> ways = random_places(n, seed + 1000, way);
   std::vector<Handle> handles = handles_from(
@@ -41,7 +41,7 @@ inline std::vector<Handle> loose_handles(std::size_t n, unsigned seed = 1, doubl
   return handles;
 }
 
-/// v turned about an axis (not of length 1) by an angle.
+/// v rotated by an angle about an axis of any length.
 inline Vec3 turned(const Vec3& v, const Vec3& axis, double angle) {
   const Vec3 e = normalized(axis);
   return v * std::cos(angle) + cross(e, v) * std::sin(angle) + e * (dot(e, v) * (1 - std::cos(angle)));
@@ -71,7 +71,7 @@ inline std::vector<Jacobian> jacobians(const SpaceMap& map, const std::vector<Ve
   return j;
 }
 
-/// Largest distance from what `source` says.
+/// Largest distance from the positions given by `source`.
 inline double largest_error(const SpaceMap& map, const std::vector<Vec3>& x, const Deform& source) {
   const std::vector<Vec3> y = mapped(map, x);
   double most = 0;
@@ -79,7 +79,7 @@ inline double largest_error(const SpaceMap& map, const std::vector<Vec3>& x, con
   return most;
 }
 
-/// Largest difference of a derivative and the fourth-order difference over its size.
+/// Largest difference between a derivative and the fourth-order difference, relative to its size.
 inline double jacobian_error(const SpaceMap& map, const std::vector<Vec3>& x, double step) {
   const std::vector<Jacobian> j = jacobians(map, x);
   double most = 0;

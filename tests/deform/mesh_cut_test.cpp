@@ -1,4 +1,4 @@
-// Meshes as cuts: ways around them on a lattice against closed forms, and the gaps that they leave.
+// Meshes as cuts: detours on a lattice compared with closed forms, and gaps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using test::detour;
 using test::gap;
 using test::random_point;
 
-/// A square in z = 0.013, cut into 8 × 8, or with `bend` a part of a cylinder.
+/// A square in z = 0.013 of 8 × 8 cells, or with `bend` a part of a cylinder.
 TriangleMesh square_sheet(double bend = 0) {
   constexpr std::uint32_t n = 8;
   TriangleMesh mesh;
@@ -68,7 +68,7 @@ TEST(MeshCut, WaysAroundAPlaneAreThoseOfThePolygon) {
     }
     const double cell = 2.0 / resolution;
     EXPECT_LT(error, (resolution == 16 ? 0.1 : resolution == 32 ? 0.03 : 0.01) * extra) << resolution;
-    EXPECT_LT(error, 0.5 * before);  // at least of second order, nearly
+    EXPECT_LT(error, 0.5 * before);  // nearly second order
     EXPECT_LT(most, 0.6 * cell);
     EXPECT_LT(most_seen, 0.2 * cell);
     before = error;
@@ -95,7 +95,7 @@ TEST(MeshCut, WaysAroundASphereAreTangentsAndArcs) {
     error += std::abs(found - right(handle, x)), extra += right(handle, x);
   }
   EXPECT_LT(error, 0.06 * extra);
-  // Inside of what is closed nothing can be reached, and the other way round.
+  // The inside of a closed surface is unreachable from outside, and vice versa.
   EXPECT_GT(detour(*cut, handle, {0.1, 0, 0.1}).extra, 1e5);
   EXPECT_GT(detour(*cut, {0, 0, 0.1}, {0.7, 0, 0.1}).extra, 1e5);
   EXPECT_EQ(detour(*cut, {0, 0, 0.1}, {0.1, 0.1, 0}).extra, 0);
@@ -143,7 +143,7 @@ TEST(MeshCut, GradientsOfWaysAreThoseOfDifferences) {
       step[k] = 1e-7;
       if (blocked(*cut, x - step, x + step)) continue;
       const double slope = (detour(*cut, handle, x + step).extra - detour(*cut, handle, x - step).extra) / 2e-7;
-      off += std::abs(found.gradient[k] - slope) > 1e-3;  // at faces of cells it has a kink
+      off += std::abs(found.gradient[k] - slope) > 1e-3;  // kinks at faces of cells
     }
   }
   EXPECT_GT(shadowed, 300);
@@ -164,7 +164,7 @@ TEST(MeshCut, GapsAreWhereTheSourceIsAcross) {
   EXPECT_LT(gap(*cut, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {}).depth, 0);
 }
 
-/// Where what is at x comes from, for the tests: smooth, with its derivatives.
+/// A smooth source map with derivatives.
 Vec3 mesh_source_of(const Vec3& x, std::array<Vec3, 3>* jacobian = nullptr) {
   if (jacobian) *jacobian = {Vec3{1, 0, 0.3}, Vec3{0.2 * std::cos(x.y), 1, 0}, Vec3{0, 0.1, 1}};
   return {x.x + 0.2 * std::sin(x.y), x.y + 0.1 * x.z, x.z + 0.3 * x.x - 0.25};

@@ -11,7 +11,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// What the constructor says of these handles.
+/// Message of the constructor for these handles.
 std::string said(const std::vector<Handle>& handles, const MlsDeformationOptions& options = {}) {
   try {
     const MlsDeformation map(handles, options);
@@ -53,13 +53,14 @@ TEST(MlsDeformationErrors, SegmentsNeedWeightsThatHoldThem) {
   EXPECT_EQ(said(handles, of_kind(DeformationKind::rigid, 2, 0.75)), "");
   handles[3].q_end = handles[3].q + Vec3{1, 0, 0}, handles[3].p_end = handles[3].p + Vec3{0, 1, 0};
   EXPECT_EQ(said(handles, of_kind(DeformationKind::rigid, 2, 1)), "");
-  expect_parts(said(handles, of_kind(DeformationKind::rigid, 2, 0.75)), {"handle 4", "segment", "`alpha`", "raise"});
+  expect_parts(said(handles, of_kind(DeformationKind::rigid, 2, 0.75)),
+               {"handle 4", "segment", "`alpha`", "at least 1"});
 }
 
 TEST(MlsDeformationErrors, NameBothOfTwoThatContradictEachOther) {
   std::vector<Handle> handles = loose_handles(6);
   handles[4].q = handles[1].q;
-  expect_parts(said(handles), {"handles 2 and 5", "same place"});
+  expect_parts(said(handles), {"handles 2 and 5", "one target"});
   handles[4].p = handles[1].p;
   EXPECT_EQ(said(handles), "");
   // A point on a segment, and two segments that cross.
@@ -86,7 +87,7 @@ TEST(MlsDeformationErrors, SayWhatTheKindNeeds) {
   for (Handle& h : flat) h.q = turned({h.q.x, h.q.y, 0}, {1, 1, 0}, 1) + Vec3{3, 2, 1};
   for (Handle& h : line) h.q = Vec3{1, 2, 3} * h.q.x;
   for (Handle& h : saddle) h.q.z = h.q.x * h.q.y;
-  expect_parts(said(flat, affine), {"`affine`", "plane"});
+  expect_parts(said(flat, affine), {"`affine`", "coplanar"});
   expect_parts(said(line, affine), {"`affine`", "line"});
   expect_parts(said(flat, two), {"`nonlinear`", "plane"});
   expect_parts(said(saddle, two), {"`nonlinear`", "surface"});

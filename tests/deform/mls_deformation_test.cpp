@@ -98,7 +98,7 @@ TEST(MlsDeformation, JacobiansNearAndAtHandlesAreTheirLimits) {
 }
 
 TEST(MlsDeformation, TurnsWithEverything) {
-  // Both spaces turn, each its own way.
+  // Both spaces are rotated independently.
   const auto turn_q = [](const Vec3& v) { return turned(v, {3, 1, -2}, 1.1) + Vec3{2, 0, 1}; };
   const auto turn_p = [](const Vec3& v) { return turned(v, {0, 1, 1}, -2) - Vec3{1, 1, 0}; };
   const auto turn_both = [](const Vec3& v) { return turned(v, {3, 1, -2}, 1.1); };
@@ -118,7 +118,8 @@ TEST(MlsDeformation, TurnsWithEverything) {
     const std::vector<Vec3> once = mapped(map, x), turned_once = mapped(MlsDeformation(other, options), y);
     for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(norm(turned_once[i] - turn_p(once[i])), 1e-11);
   }
-  // On a line, and with too few handles for the turn about it, the smallest one is taken: that turns with both alike.
+  // For collinear handles, or too few to determine the rotation about a line, the smallest rotation is used: it is
+  // equivariant under common rotations.
   for (std::size_t n = 1; n < 4; ++n) {
     std::vector<Handle> few(handles.begin(), handles.begin() + static_cast<std::ptrdiff_t>(n)), other;
     if (n == 3) few[2].q = few[0].q * 0.3 + few[1].q * 0.7;
@@ -141,7 +142,7 @@ TEST(MlsDeformation, FewHandlesMoveAndTurnAsLittleAsTheyCan) {
       return turned(v - Vec3{1, 2, 3}, {0, 0, 1}, std::acos(0.0)) + Vec3{2, 2, 5};
     };
     EXPECT_LT(largest_error(MlsDeformation({a, b}, options), x, quarter), 1e-14);
-    // Bent: the line is not one before.
+    // Bent: not collinear before.
     c.q = {3, 2, 3}, c.p = {2, 3.5, 6};
     EXPECT_LT(jacobian_error(MlsDeformation({a, b, c}, options), x, 1e-3), 1e-6);
     EXPECT_LT(jacobian_error(MlsDeformation(reversed({a, b, c}), options), random_places(20, 4, 6), 1e-3), 1e-6);
@@ -173,7 +174,7 @@ TEST(MlsDeformation, WeightsCount) {
   const std::vector<Vec3> heavy = mapped(MlsDeformation(handles, {}), x),
                           doubled = mapped(MlsDeformation(twice, {}), x);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(norm(heavy[i] - doubled[i]), 1e-13);
-  handles[2].weight = 1e9;  // at other handles it still is what they say
+  handles[2].weight = 1e9;  // other handles are still interpolated
   EXPECT_EQ(mapped(MlsDeformation(handles, {}), {handles[4].q})[0], handles[4].p);
 }
 
@@ -223,7 +224,7 @@ TEST(MlsDeformation, SegmentsAreInterpolatedAndAreManyPoints) {
 }
 
 TEST(MlsDeformation, DirectionsTurnTheSurroundings) {
-  // One handle with a frame is a rigid motion; with a normal it turns that as little as it can.
+  // A handle with a frame defines a rigid motion; with a normal it rotates as little as possible.
   Handle h;
   h.q = {1, 0, 0}, h.p = {0, 2, 0};
   const auto turn = [](const Vec3& v) { return turned(v, {1, 1, 0}, 2.0); };
@@ -239,7 +240,7 @@ TEST(MlsDeformation, DirectionsTurnTheSurroundings) {
   EXPECT_LT(largest_error(MlsDeformation({h}, of_kind(DeformationKind::affine)), x, motion), 1e-13);
   put(1);
   EXPECT_LT(norm(mapped(MlsDeformation({h}, {}), {h.q + Vec3{0.3, 0, 0}})[0] - (h.p + turn({0.3, 0, 0}))), 1e-13);
-  // Among other handles the map at the handle turns as its frame does.
+  // Among other handles, the map at the handle rotates as its frame does.
   put(3);
   std::vector<Handle> many = loose_handles(20);
   for (Handle& other : many) other.q.x -= 3, other.p.x -= 3;
@@ -254,7 +255,7 @@ TEST(MlsDeformation, DirectionsTurnTheSurroundings) {
   }
 }
 
-/// What lies on the other side of the plane x = 0 is as much farther as both are from it together, below z = 0.
+/// Across the plane x = 0, below z = 0, the detour is the sum of both distances from it.
 class Wall final : public Occluder {
  public:
   void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const override {
@@ -319,7 +320,7 @@ TEST(MlsDeformation, IsTheSameForAnyThreadsAndBatches) {
   }
 }
 
-/// How many of x are mapped elsewhere when others are beside them.
+/// Number of points whose image depends on the other points of the batch.
 std::size_t differ_in_company(const SpaceMap& map, const std::vector<Vec3>& x) {
   const std::vector<Vec3> all = mapped(map, x);
   std::size_t different = 0;
@@ -333,8 +334,8 @@ std::size_t differ_in_company(const SpaceMap& map, const std::vector<Vec3>& x) {
 
 Eigen::Vector3d eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// A rigid map at x as singular values have it, and how much more of the alignment its turn reaches than the next best,
-/// over all of it: what is left open is rounding over that.
+/// The rigid map at x by singular values, and the relative advantage of its alignment over the next best: the result is
+/// determined up to rounding divided by that.
 struct OracleAt {
   Eigen::Vector3d mean_q, mean_p, image;
   double certainty;
@@ -360,7 +361,7 @@ OracleAt oracle_at(const std::vector<Handle>& handles, const Vec3& x) {
 }
 
 TEST(MlsDeformation, NeverFlips) {
-  // Sets all around, (nearly) in planes, and from 10⁻⁹ to 10⁻⁶ off a line; moved at random, rigidly, or mirrored.
+  // Isotropic sets, (nearly) planar ones, and ones from 10⁻⁹ to 10⁻⁶ off a line; moved at random, rigidly, or mirrored.
   std::mt19937 random(23);
   std::uniform_real_distribution<double> u(-1, 1);
   const auto place = [&] { return Vec3{u(random), u(random), u(random)}; };
@@ -380,7 +381,8 @@ TEST(MlsDeformation, NeverFlips) {
     const Vec3 x = place() * 1.5;
     const Eigen::Vector3d found = eigen(mapped(MlsDeformation(handles, {}), {x})[0]);
     const OracleAt o = oracle_at(handles, x);
-    ASSERT_NEAR((found - o.mean_p).norm(), (eigen(x) - o.mean_q).norm(), 1e-12) << round;  // what turns keep
+    ASSERT_NEAR((found - o.mean_p).norm(), (eigen(x) - o.mean_q).norm(), 1e-12)
+        << round;  // rotations preserve distances
     if (o.certainty < 1e-6) continue;
     ++certain;
     ASSERT_LT((found - o.image).norm(), 1e-13 / o.certainty + 1e-12) << round << " " << o.certainty;
@@ -389,7 +391,8 @@ TEST(MlsDeformation, NeverFlips) {
 }
 
 TEST(MlsDeformation, SetsThatBecomeALineTurnAsItDoes) {
-  // Two rows of handles so far off a line: what the turn about it is fades out at about the root of rounding.
+  // Two rows of handles at this distance from a line: the rotation about it vanishes at about the square root of
+  // rounding.
   const Vec3 axis{0.3, 1, 2};
   const auto motion = [&](const Vec3& v) { return turned(v, axis, 2.0) + Vec3{1, 2, 0}; };
   const auto map = [&](double off) {
@@ -410,8 +413,8 @@ TEST(MlsDeformation, SetsThatBecomeALineTurnAsItDoes) {
 }
 
 TEST(MlsDeformation, PlacesBesideDifficultOnesAreTheSame) {
-  // Flattened sets of points: some places need turns about a weak axis, more steps or other roots than those beside
-  // them in a vector.
+  // Flattened sets of points: some points need rotations about a weak axis, more steps or other roots than their
+  // neighbours in a vector.
   const std::vector<Vec3> x = random_places(20'000, 3, 1.3);
   for (const double thin : {0.05, 0.1, 0.15, 0.2}) {
     for (const DeformationKind kind : {DeformationKind::affine, DeformationKind::similarity, DeformationKind::rigid}) {

@@ -23,7 +23,7 @@ namespace {
 
 using Cuts = std::vector<std::shared_ptr<const Occluder>>;
 
-/// Moves what is on the side of a cut's normal by `shift` along it.
+/// Moves the side of a plane's normal by `shift` along it.
 class Parting final : public SpaceMap {
  public:
   Parting(Vec3 origin, Vec3 normal, double shift) : origin_(origin), normal_(normalized(normal)), shift_(shift) {}
@@ -56,7 +56,7 @@ double area(const TriangleMesh& mesh) {
   return sum;
 }
 
-/// Triangles that the cut passes, in the middle of it: neither at their corners and edges nor at the cut's border.
+/// Number of triangles that the cut crosses in their interior, away from corners, edges and the cut's border.
 std::size_t crossed(const TriangleMesh& mesh, const Occluder& cut) {
   std::size_t count = 0;
   for (const Triangle& t : mesh.triangles) {
@@ -69,7 +69,7 @@ std::size_t crossed(const TriangleMesh& mesh, const Occluder& cut) {
   return count;
 }
 
-/// A half-plane far in: it cuts all of what is not larger than 10.
+/// A half-plane that begins far away: it cuts anything not larger than 10.
 std::shared_ptr<const Occluder> whole_plane(const Vec3& through, const Vec3& normal) {
   const Vec3 into = std::abs(normal.x) > std::abs(normal.y) ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
   return half_plane(through - into * 10.0, normal, into);
@@ -91,9 +91,9 @@ TEST(OpenMesh, AHalfPlaneThroughASphereMakesASlit) {
   const TriangleMesh opened = open_along_cuts(mesh, Cuts{cut}, {}, &report);
   EXPECT_EQ(report.unopened, 0u);
   EXPECT_GT(report.edges, 20u);
-  EXPECT_EQ(report.doubled, report.edges - 1);  // but for its two ends
+  EXPECT_EQ(report.doubled, report.edges - 1);  // except for its two ends
   const MeshTopology topology = measure_topology(opened);
-  EXPECT_EQ(topology.euler, 1);  // a disk: the sphere less one slit
+  EXPECT_EQ(topology.euler, 1);  // a disk: the sphere minus one slit
   EXPECT_EQ(topology.boundary_loops, 1u);
   EXPECT_EQ(topology.boundary_edges, 2 * report.edges);
   EXPECT_EQ(topology.components, 1u);
@@ -102,7 +102,7 @@ TEST(OpenMesh, AHalfPlaneThroughASphereMakesASlit) {
   EXPECT_EQ(crossed(opened, *cut), 0u);
   EXPECT_NEAR(area(opened), area(mesh), 1e-5);
   EXPECT_NEAR(volume(opened), volume(mesh), 1e-5);
-  // Ends where the half-plane does: vertices on its border.
+  // Ends with the half-plane: vertices on its border.
   int ends = 0;
   for (const Vec3f& v : opened.vertices)
     ends += std::abs(cut->height(Vec3(v))) < 1e-6 && std::abs(cut->depth(cut->in_plane(Vec3(v)), nullptr)) < 1e-6;
@@ -130,7 +130,7 @@ TEST(OpenMesh, APlaneThroughASphereMakesTwoClosedSolids) {
     EXPECT_EQ(topology.euler, 4);
     EXPECT_TRUE(test::topology_of(closed).closed_manifold());
     EXPECT_NEAR(volume(closed), volume(mesh), 1e-5);
-    // Cap by cap the volume is that of the part of the sphere below.
+    // The volume below each cap is that of the part of the sphere.
     const MeshComponents parts = find_components(closed);
     double below = 0;
     for (std::size_t i = 0; i < closed.triangles.size(); ++i)
@@ -141,7 +141,7 @@ TEST(OpenMesh, APlaneThroughASphereMakesTwoClosedSolids) {
     const double h = 1 + through.z;
     EXPECT_NEAR(below, std::numbers::pi * h * h * (3 - h) / 3, 0.02 * 4.2);
 
-    // Moved apart, both are where they belong, and the faces are flat.
+    // After separation, both parts are in place, and the faces are flat.
     const TriangleMesh moved = deform_mesh(closed, Parting(through, {0, 0, 1}, 0.5));
     EXPECT_NEAR(volume(moved), volume(mesh), 1e-4);
     EXPECT_EQ(moved.attributes.find(kCutSide), nullptr);
@@ -205,7 +205,7 @@ TEST(OpenMesh, SeveralCutsAndManyPlaces) {
     EXPECT_NEAR(volume(closed), volume(mesh), 1e-4);
     EXPECT_EQ(crossed(open_along_cuts(mesh, cuts), *cuts[0]), 0u);
   }
-  // Three planes at right angles: eight pieces of a sphere.
+  // Three orthogonal planes: eight pieces of a sphere.
   const Cuts three{whole_plane({0, 0, 0.05}, {0, 0, 1}), whole_plane({0.1, 0, 0}, {1, 0, 0}),
                    whole_plane({0, 0, 0}, {0, 1, 0})};
   OpenMeshReport report;
@@ -224,7 +224,7 @@ TEST(OpenMesh, CutsAlongTheMeshsOwnEdges) {
       half_plane({0.1, 0, 0}, {0, 0, 1}, {1, 0, 0}), half_plane({0.1, 0, 0}, {0, 0, -1}, {1, 0.3, 0}),
       half_plane({0, 0, 0}, {0, 0, 1}, {1, 0, 0}),
       polygon_occluder({{{0.31, -2, 0}, {2, -2, 0}, {2, 2, 0}, {0.31, 2, 0}}})};
-  for (const double turn : {0.0, 0.7}) {  // turned they lie in the plane but for rounding
+  for (const double turn : {0.0, 0.7}) {  // rotated, they are in the plane up to rounding
     const Vec3 x{1, 0, 0}, y{0, std::cos(turn), std::sin(turn)}, z = cross(x, y);
     TriangleMesh turned = mesh;
     for (Vec3f& v : turned.vertices) v = Vec3f(x * double{v.x} + y * double{v.y} + z * double{v.z});
@@ -244,7 +244,7 @@ TEST(OpenMesh, CutsAlongTheMeshsOwnEdges) {
   }
 }
 
-/// Triangles whose corners are looked at from different sides of a plane.
+/// Number of triangles whose corners are evaluated on different sides of a plane.
 std::size_t mixed_triangles(const TriangleMesh& mesh, const PlanarOccluder& cut) {
   const std::vector<float>& sides = *mesh.attributes.find<float>(kCutSide);
   std::size_t mixed = 0;
@@ -261,7 +261,7 @@ std::size_t mixed_triangles(const TriangleMesh& mesh, const PlanarOccluder& cut)
 TEST(OpenMesh, SidesAreKnownFarFromTheOrigin) {
   const Vec3 normal = normalized(Vec3{0.3, 0.2, 1}), along = normalized(Vec3{1, 0, 0} - normal * normal.x);
   for (const float far : {0.0f, 100.0f, 1000.0f})
-    for (const bool companion : {false, true}) {  // far on the other side: the middle of both is the origin
+    for (const bool companion : {false, true}) {  // far on the other side: the common centre is the origin
       if (companion && far > 100) continue;       // there rounding is a hundredth of an edge
       TriangleMesh mesh = test::octasphere(5);
       for (Vec3f& v : mesh.vertices) v = v + Vec3f{far, far, far};
@@ -280,7 +280,7 @@ TEST(OpenMesh, SidesAreKnownFarFromTheOrigin) {
         EXPECT_GT(report.edges, 50u);
         EXPECT_EQ(mixed_triangles(opened, *cut), 0u) << far << ' ' << companion << ' ' << height;
         if (!companion) EXPECT_EQ(report.unopened, 0u) << far << ' ' << height;
-        std::size_t moved = 0;  // but for those that were put on the cut
+        std::size_t moved = 0;  // except those moved onto the cut
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v) moved += place(opened, v) != place(mesh, v);
         EXPECT_LT(moved, 10u);
         if (companion) continue;
@@ -318,7 +318,7 @@ TEST(OpenMesh, MeshesAsCuts) {
   options.close = true;
   const TriangleMesh opened = open_along_cuts(mesh, cuts, options, &report);
   EXPECT_EQ(report.unopened, 0u);
-  EXPECT_EQ(report.unclosed, 1u);  // meshes leave what they cut open
+  EXPECT_EQ(report.unclosed, 1u);  // meshes leave the cut part open
   const MeshTopology topology = measure_topology(opened);
   EXPECT_EQ(topology.euler, 1);
   EXPECT_EQ(topology.boundary_loops, 1u);
@@ -355,7 +355,7 @@ TEST(OpenMesh, AttributesAreMixed) {
   for (std::size_t v = 0; v < now.size(); ++v) EXPECT_NEAR(now[v], open.vertices[v].x + 2 * open.vertices[v].z, 1e-5);
 }
 
-/// A vertex of the mesh near a place.
+/// The vertex of the mesh nearest to a point.
 std::uint32_t vertex_near(const TriangleMesh& mesh, const Vec3f& place) {
   const auto nearest = std::min_element(
       mesh.vertices.begin(), mesh.vertices.end(),
@@ -389,7 +389,7 @@ TEST(OpenMesh, TrianglesThatAreNoneChangeNothing) {
   OpenMeshReport report;
   const TriangleMesh closed = open_along_cuts(mesh, cuts, options, &report);
   ASSERT_EQ(report.unclosed, 0u);
-  // Corners that do not exist, and edges instead of triangles, some along the cut.
+  // Invalid corners, and edges instead of triangles, some along the cut.
   const std::uint32_t on = vertex_near(mesh, {1, 0, 0}), next = vertex_near(mesh, {0.98f, 0.19f, 0}), far = 1u << 31;
   const std::vector<Triangle> none{{on, next, far}, {far, on, far + 1}, {on, next, next}, {next, on, on}};
   mesh.triangles.insert(mesh.triangles.begin(), none.begin(), none.end());

@@ -1,4 +1,4 @@
-// Positions of maps, found many places at a time, against those of one place.
+// Vectorised maps compared with the map at single points.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ TEST(PointKernels, HeedCuts) {
 }
 
 TEST(PointKernels, AreAsGoodOnNearlyFlatHandles) {
-  // The normal equations of affine maps lose twice the digits: polynomials take over where that shows.
+  // The normal equations of affine maps lose twice the digits: polynomials take over where that is noticeable.
   for (const double thickness : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7}) {
     std::vector<Handle> handles = loose_handles(12);
     for (Handle& h : handles) h.q.z *= thickness, h.p.z = h.q.z;

@@ -20,7 +20,7 @@ Eigen::Matrix3d eigen(const Rows3& a) {
   return m;
 }
 
-/// Most of Σ R_ij B_ij that any rotation reaches: by singular values, the least one with the sign of the determinant.
+/// The largest Σ R_ij B_ij of any rotation: by singular values, the smallest one with the sign of the determinant.
 double most_by_svd(const Eigen::Matrix3d& b) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
@@ -34,7 +34,7 @@ Rows3 moments(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
   return b;
 }
 
-/// Sets of places of which every third is nearly flat and every third nearly a line, some exactly, of any scale.
+/// Random points; every third set is nearly planar and every third nearly collinear, some exactly, at any scale.
 std::vector<Vec3> odd_places(std::mt19937& random, int kind, std::size_t n) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> exponent(-16, 0);
@@ -78,7 +78,7 @@ Eigen::Matrix3d random_rotation(std::mt19937& random) {
 }
 
 TEST(RotationFit, IsAsGoodAsAnyWhereMirroredSetsAreSymmetric) {
-  // Corners of boxes and rings, mirrored: roots of the quartic coincide, or nearly.
+  // Mirrored corners of boxes and rings: roots of the quartic coincide, or nearly.
   std::mt19937 random(17);
   std::uniform_real_distribution<double> u(0, 1);
   for (const double gap : {0.0, 1e-14, 1e-12, 1e-10, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2}) {
@@ -93,15 +93,15 @@ TEST(RotationFit, IsAsGoodAsAnyWhereMirroredSetsAreSymmetric) {
       const Eigen::Matrix3d m = eigen(detail::best_rotation(b));
       ASSERT_NEAR(m.determinant(), 1, 1e-14) << gap << " " << a;
       ASSERT_GT(m.cwiseProduct(target).sum(), values.sum() - 1e-12 * target.norm()) << gap << " " << a;
-      // Where one rotation is best it is found to rounding over how much it is.
+      // A unique optimum is found up to rounding divided by its advantage.
       ASSERT_LT((m - to * from.transpose()).norm() * (values[1] + values[2]), 3e-13) << gap << " " << a;
     }
   }
 }
 
 TEST(RotationFit, FindsTheRotationOfThinSets) {
-  // Of a set of thickness t the second singular value is t² of the first: the turn about the long axis is known to
-  // rounding over t².
+  // For a set of thickness t the second singular value is t² of the first: the rotation about the long axis is
+  // determined up to rounding over t².
   std::mt19937 random(3);
   for (const double thin : {1.0, 1e-2, 1e-3, 1e-4, 1e-5}) {
     double most = 0;
@@ -128,7 +128,7 @@ TEST(RotationFit, TakesTheSmallestOfEquallyGoodRotations) {
   for (int round = 1; round < 20; ++round) {
     const Vec3 a = normalized(random_places(1, static_cast<unsigned>(round))[0]);
     const Vec3 b = normalized(random_places(1, static_cast<unsigned>(round) + 50)[0]);
-    const Rows3 r = detail::best_rotation({a * b.x, a * b.y, a * b.z});  // b aᵀ: all that is known is that a becomes b
+    const Rows3 r = detail::best_rotation({a * b.x, a * b.y, a * b.z});  // b aᵀ: determines only that a becomes b
     EXPECT_LT(norm(detail::times(r, a) - b), 1e-7);
     EXPECT_NEAR(angle(r), std::acos(dot(a, b)), 1e-2);
   }

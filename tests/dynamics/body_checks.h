@@ -1,4 +1,4 @@
-// Small bodies, and what is measured of them.
+// Small bodies, and measurements of them.
 #pragma once
 
 #include <random>
@@ -15,7 +15,7 @@ inline TetMesh one_tet() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
 
 inline TetMesh small_bar() { return box_of_tets({0, 0, 0}, {2, 0.5, 0.5}, 8, 2, 2); }
 
-/// Undamped, weightless, solved as exactly as it goes.
+/// Undamped, weightless, solved as exactly as possible.
 inline SoftBodyOptions ideal(std::string_view integrator, double step) {
   SoftBodyOptions options;
   options.integrator = integrator, options.step = step, options.gravity = {}, options.damping = 0;

@@ -16,7 +16,7 @@ using test::kAllIntegrators;
 constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;
 
-/// The first two moments at which value() passes 0, between steps by straight lines; value() after each step.
+/// The first two zeros of value(), interpolated linearly between steps.
 template <class Value>
 std::vector<double> zeros_of(SoftBody& body, std::size_t count, const Value& value) {
   std::vector<double> zeros;
@@ -31,7 +31,7 @@ std::vector<double> zeros_of(SoftBody& body, std::size_t count, const Value& val
 }
 
 TEST(ClosedForm, WeightOnASpring) {
-  // A tetrahedron whose four vertices hang on springs of their own: all of it goes up and down as one.
+  // A tetrahedron whose four vertices are attached to separate springs: it oscillates as a whole.
   const double k = 40, mass = 2, omega = std::sqrt(4 * k / mass);
   for (std::string_view integrator : kAllIntegrators) {
     SoftBodyOptions options = ideal(integrator, 1e-5);
@@ -46,7 +46,7 @@ TEST(ClosedForm, WeightOnASpring) {
 }
 
 TEST(ClosedForm, VertexOnThreeSprings) {
-  // The top of a regular tetrahedron with edges of 1, whose edges stand at cos² = 2/3 to the vertical.
+  // The top of a regular tetrahedron with edges of 1, whose edges are at cos² = 2/3 to the vertical.
   const TetMesh mesh = turned_outward({{{0, 0, std::sqrt(2.0 / 3)},
                                         {1 / std::sqrt(3.0), 0, 0},
                                         {-0.5 / std::sqrt(3.0), -0.5, 0},
@@ -68,7 +68,7 @@ TEST(ClosedForm, VertexOnThreeSprings) {
 }
 
 TEST(ClosedForm, Pendulum) {
-  // A stiff regular tetrahedron that hangs by a corner: three masses around an axis through it.
+  // A stiff regular tetrahedron suspended at a corner: three masses around an axis through it.
   const TetMesh mesh{{{0, 0, 0},
                       {1 / std::sqrt(3.0), 0, -std::sqrt(2.0 / 3)},
                       {-0.5 / std::sqrt(3.0), 0.5, -std::sqrt(2.0 / 3)},
@@ -77,7 +77,7 @@ TEST(ClosedForm, Pendulum) {
                      {},
                      {}};
   const TetMesh outward = turned_outward(mesh);
-  double inertia = 0, moment = 0;  // about y, of unit masses
+  double inertia = 0, moment = 0;  // about y, for unit masses
   for (std::size_t v = 1; v < 4; ++v) {
     const Vec3 p = mesh.vertices[v];
     inertia += p.x * p.x + p.z * p.z, moment -= p.z;
@@ -110,7 +110,7 @@ struct Cantilever {
   static constexpr double kLength = 1, kHeight = 0.2, kWidth = 0.06, kModulus = 1e6, kPoisson = 0.3, kDensity = 1000;
   static constexpr double kArea = kHeight * kWidth, kSecondMoment = kArea * kHeight * kHeight / 12;
   static constexpr double kShear = kModulus / (2 * (1 + kPoisson));
-  static constexpr double kFactor = 10 * (1 + kPoisson) / (12 + 11 * kPoisson);  ///< of shear [cowper1966]
+  static constexpr double kFactor = 10 * (1 + kPoisson) / (12 + 11 * kPoisson);  ///< shear coefficient [cowper1966]
   TetMesh mesh;
   DynamicsScene scene;
   std::vector<std::uint32_t> end;
@@ -135,18 +135,18 @@ struct Cantilever {
   }
 };
 
-/// With cells as long as they are high, n through the height.
+/// Cells as long as high, n through the height.
 TetMesh cantilever_cells(std::size_t n) {
   return box_of_tets({0, 0, 0}, {Cantilever::kLength, Cantilever::kWidth, Cantilever::kHeight}, 5 * n, n / 3, n);
 }
 
-/// How far the end sinks by a force on it, over what Timoshenko's theory says.
+/// Deflection of the end under a force, relative to Timoshenko's theory.
 double bend(const TetMesh& mesh) {
   Cantilever bar(mesh);
   const double force = 0.05;
   bar.scene.forces.push_back({bar.end, {0, 0, -force / static_cast<double>(bar.end.size())}});
   SoftBody body(bar.mesh, Cantilever::options(1000), bar.scene);
-  for (int k = 0; k < 3; ++k) body.step();  // so long that inertia counts for nothing
+  for (int k = 0; k < 3; ++k) body.step();  // steps so long that inertia is negligible
   const double length = Cantilever::kLength;
   const double theory = force * length * length * length / (3 * Cantilever::kModulus * Cantilever::kSecondMoment) +
                         force * length / (Cantilever::kFactor * Cantilever::kShear * Cantilever::kArea);
@@ -164,7 +164,7 @@ TEST(ClosedForm, BarSinksAsTheoryOfBeamsSays) {
 }
 
 TEST(ClosedForm, BarVibratesAsTheoryOfBeamsSays) {
-  // Euler and Bernoulli's first frequency, and that of pure shear, put together by Dunkerley's rule.
+  // First bending frequency of Euler and Bernoulli and that of pure shear, combined by Dunkerley's rule.
   const double root = 1.8751040687, length = Cantilever::kLength;
   const double bending =
       root * root / (length * length) *
@@ -173,7 +173,7 @@ TEST(ClosedForm, BarVibratesAsTheoryOfBeamsSays) {
   const double omega = 1 / std::sqrt(1 / (bending * bending) + 1 / (shear * shear));
   Cantilever bar(cantilever_cells(9));
   SoftBody body(bar.mesh, Cantilever::options(2 * kPi / omega / 100), bar.scene);
-  // Pushed in the shape of its first vibration, about.
+  // Initial velocity approximately in the shape of the first vibration.
   std::vector<Vec3> v(bar.mesh.vertices.size());
   for (std::size_t i = 0; i < v.size(); ++i) {
     const double s = bar.mesh.vertices[i].x;

@@ -73,7 +73,7 @@ TEST(Contact, LiesOverASphereWithoutGoingIn) {
 }
 
 TEST(Contact, SlidesDownASlopeThatIsSteeperThanItsFriction) {
-  // Gravity leans instead of the floor: tan of the angle is 0.4.
+  // Gravity is inclined instead of the floor: tan of the angle is 0.4.
   const double lean = std::atan(0.4);
   for (std::string_view integrator : {"velocity-verlet", "implicit-euler"}) {
     for (const double friction : {0.0, 0.2, 0.5}) {
@@ -97,7 +97,7 @@ TEST(Contact, SlidesDownASlopeThatIsSteeperThanItsFriction) {
   }
 }
 
-/// A cube of rubber on a slope of 30 degrees, which moves at a speed along it. `step` 0: half of what is stable.
+/// A rubber cube on a slope of 30 degrees with an initial speed along it. `step` 0: half of the stable step.
 SoftBody on_a_slope(std::string_view integrator, double friction, double step, double speed) {
   SoftBodyOptions options;
   options.integrator = integrator, options.model = SoftBodyModel::corotational, options.young = 1e6;
@@ -112,7 +112,7 @@ SoftBody on_a_slope(std::string_view integrator, double friction, double step, d
   return body;
 }
 
-// At the usual tolerance, from a speed beside which the impulse of gravity in a step is small.
+// At the default tolerance, with a speed beside which the impulse of gravity in a step is small.
 TEST(Contact, ShortStepsSlideAsFarAsLongOnes) {
   for (const double h : {1e-2, 1e-3, 1e-4}) {
     for (const double friction : {0.0, 0.2}) {

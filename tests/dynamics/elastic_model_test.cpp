@@ -68,7 +68,7 @@ TEST(ElasticModel, ForcesAreTheSlopeOfTheEnergy) {
 }
 
 TEST(ElasticModel, TheMatrixIsThatOfTheDerivatives) {
-  // Where springs are stretched nothing is clamped.
+  // For stretched springs nothing is clamped.
   const TetMesh mesh = little_box();
   const auto model = springs_of(mesh);
   std::vector<Vec3> x = test::sum(mesh.vertices, test::random_vectors(mesh.vertices.size(), 0.01, 3)), up(x), down(x);
@@ -92,9 +92,9 @@ TEST(ElasticModel, TheMatrixIsSymmetricAndSemidefiniteWhateverTheShape) {
   const TetMesh mesh = little_box();
   for (const double damping : {0.0, 0.01}) {
     for (const auto& model : {springs_of(mesh, damping), elastic_of(mesh, damping)}) {
-      for (const double size : {0.0, 0.1, 0.5}) {  // the last with tetrahedra inside out
+      for (const double size : {0.0, 0.1, 0.5}) {  // the last with inverted tetrahedra
         auto x = test::sum(mesh.vertices, test::random_vectors(mesh.vertices.size(), size, 9));
-        for (Vec3& p : x) p *= 0.7;  // springs compressed
+        for (Vec3& p : x) p *= 0.7;  // compressed springs
         const Eigen::MatrixXd matrix = matrix_of(*model, x, 0.1);
         const double scale = matrix.norm();
         EXPECT_LT((matrix - matrix.transpose()).norm(), 1e-14 * scale);
@@ -183,8 +183,8 @@ TEST(PolarRotation, IsTheNearestOneAndNeverAReflection) {
   const auto any = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   for (int k = 0; k < 10000; ++k) {
     Matrix3 f{any(), any(), any()};
-    if (k % 4 == 1) f.c = f.a * normal(random) + f.b * normal(random) + any() * 1e-7;     // nearly in a plane
-    if (k % 4 == 2) f.b = f.a * normal(random) + any() * 1e-5, f.c = f.a + any() * 1e-6;  // nearly on a line
+    if (k % 4 == 1) f.c = f.a * normal(random) + f.b * normal(random) + any() * 1e-7;     // nearly planar
+    if (k % 4 == 2) f.b = f.a * normal(random) + any() * 1e-5, f.c = f.a + any() * 1e-6;  // nearly collinear
     if (k % 4 == 3) f.a *= -1;
     const Matrix3 r = nearest_turn(f, {}).matrix();
     ASSERT_NEAR(r.determinant(), 1, 1e-12) << k;
@@ -192,7 +192,7 @@ TEST(PolarRotation, IsTheNearestOneAndNeverAReflection) {
     Eigen::Vector3d s = svd.singularValues();
     if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) s[2] = -s[2];
     const double trace = dot(r.a, f.a) + dot(r.b, f.b) + dot(r.c, f.c);
-    ASSERT_NEAR(trace, s.sum(), 1e-9 * s[0]) << k;  // the largest that a rotation gets
+    ASSERT_NEAR(trace, s.sum(), 1e-9 * s[0]) << k;  // the largest of any rotation
   }
 }
 
@@ -200,7 +200,7 @@ TEST(PolarRotation, LeavesHalfTurnsAndMirrors) {
   const Matrix3 half{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
   const Matrix3 r = nearest_turn(half, {}).matrix();
   EXPECT_LT(norm(r.a - half.a) + norm(r.b - half.b) + norm(r.c - half.c), 1e-12);
-  // Mirrored, stretches 3, 2 and −1: only the last turns sign.
+  // Mirrored, stretches 3, 2 and −1: only the last changes sign.
   const Matrix3 s = nearest_turn({{3, 0, 0}, {0, 2, 0}, {0, 0, -1}}, {}).matrix();
   EXPECT_LT(norm(s.a - Vec3{1, 0, 0}) + norm(s.b - Vec3{0, 1, 0}), 1e-12);
   const Matrix3 none = nearest_turn({{}, {}, {}}, {}).matrix();

@@ -1,4 +1,4 @@
-// Scenes as JSON: what they select and say, and how wrong ones are told.
+// Scenes as JSON: selections, values and error messages.
 #include "sansmesh/dynamics/scene_script.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(SceneScript, SelectsVerticesInEveryWay) {
   EXPECT_EQ(fixed("{\"box\": {\"lower\": [1, 0, 0], \"upper\": [2, 0.5, 0.5]}}"), (Numbers{1, 2}));
   EXPECT_EQ(fixed("{\"half_space\": {\"point\": [0.5, 0, 0], \"normal\": [2, 0, 0]}}"), (Numbers{0, 3, 6, 9}));
   EXPECT_EQ(fixed("{\"ball\": {\"center\": [2, 1, 1], \"radius\": 0.1}}"), (Numbers{11}));
-  // Several conditions hold together, several entries beside each other.
+  // Conditions in one entry intersect, entries of a list unite.
   EXPECT_EQ(fixed("{\"side\": \"-x\", \"ball\": {\"center\": [0, 0, 0], \"radius\": 1.1}}"), (Numbers{0, 3, 6}));
   EXPECT_EQ(fixed("[{\"vertices\": [11]}, \"ends.bou\", 21]"), (Numbers{0, 1, 2, 11}));
 }
@@ -87,7 +87,7 @@ TEST(SceneScript, ForcesHandlesAndObstacles) {
   EXPECT_EQ(h.keys[1].time, 2);
   EXPECT_EQ(h.keys[1].displacement, (Vec3{0, 0, 4}));
   EXPECT_NEAR(h.keys[1].turn.y, std::numbers::pi / 2, 1e-15);
-  // From rest at first.
+  // Starts from rest.
   ASSERT_EQ(script.scene.handles[1].keys.size(), 3u);
   EXPECT_EQ(script.scene.handles[1].keys[0].displacement, (Vec3{}));
   EXPECT_EQ(script.scene.handles[1].stiffness, 50);
@@ -125,8 +125,8 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"fixed\": [3]}", "fixed: there is no vertex 3"},
       {"{\"fixed\": [-3]}", "fixed: numbers of vertices must be whole and not negative"},
       {"{\"fixed\": {\"side\": \"left\"}}", "fixed: 'side' must be -x"},
-      {"{\"fixed\": {}}", "fixed: selects by nothing"},
-      {"{\"fixed\": [{\"ball\": {\"center\": [9, 9, 9], \"radius\": 1}}]}", "fixed 1: no vertex lies there"},
+      {"{\"fixed\": {}}", "fixed: selects nothing"},
+      {"{\"fixed\": [{\"ball\": {\"center\": [9, 9, 9], \"radius\": 1}}]}", "fixed 1: no vertex is there"},
       {"{\"forces\": [{\"on\": [10]}]}", "forces 1: either 'force'"},
       {"{\"forces\": [{\"on\": [10], \"force\": [1, 2]}]}", "forces 1: 'force' must be three numbers"},
       {"{\"forces\": {\"on\": [99], \"force\": [1, 2, 0]}}", "forces.on: there is no vertex 99"},
@@ -153,7 +153,7 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
 }
 
 TEST(SceneScript, WhatIsNotSaidSuitsTheBody) {
-  // The same body a hundred times as large bends as much: stiffness follows from weight and size.
+  // The same body at a hundred times the size sags as much: stiffness follows from weight and size.
   const auto sag = [](double size, const char* text) {
     Stage s;
     s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 4, 2, 2);
@@ -200,8 +200,8 @@ TEST(SceneScript, UnitsThatNobodySaysFollowTheSize) {
 }
 
 TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
-  // What falls free and hangs has no more energy than at first, at any moment: with damping or none, whatever it
-  // weighs, and with handles on stiff springs.
+  // A body that falls freely or is suspended never gains energy: with or without damping, for any weight, and with
+  // handles on stiff springs.
   struct Case {
     const char *integrator, *rest;
     int cells;
@@ -225,7 +225,7 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
     const SoftBodyOptions o = suited_options(script, s.mesh);
     SoftBody body(s.mesh, o, script.scene);
     const double first = body.energies().total();
-    // The scale of what moves: the weight over the body's height.
+    // Energy scale: the weight times the body's height.
     double mass = 0;
     for (const double m : body.masses()) mass += m;
     for (int k = 0; k < 20; ++k) {
@@ -233,7 +233,7 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
       EXPECT_LT(body.energies().total(), first + 0.01 * mass * 9.81) << what << ", step " << o.step;
     }
   }
-  // Nothing damps: no step will do.
+  // Without damping no step is stable.
   const Stage s;
   for (const char* text : {R"({"integrator": "explicit-euler", "damping": 0})",
                            R"({"integrator": "explicit-euler", "young": 1e5, "stiffness_damping": 0})"}) {
@@ -241,7 +241,7 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
       suited_options(s.parse(text), s.mesh);
       ADD_FAILURE() << text;
     } catch (const ArgumentError& e) {
-      EXPECT_NE(std::string(e.what()).find("explicit-euler is not stable"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("explicit-euler is unstable"), std::string::npos) << e.what();
     }
   }
 }

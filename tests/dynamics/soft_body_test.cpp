@@ -27,7 +27,7 @@ using test::one_tet;
 using test::random_vectors;
 using test::small_bar;
 
-/// An integrator that the library does not have: nothing moves.
+/// An additional integrator that moves nothing.
 class RestingStepper : public BodyStepper {
  public:
   void step(BodyState& body, double h, StepReport& report) override {
@@ -75,7 +75,7 @@ TEST(SoftBody, MomentumIsKeptWithoutForcesFromOutside) {
   }
 }
 
-// Forces along the edges, and stresses that are symmetric, have no torque; Verlet's method keeps what they keep.
+// Forces along edges, and symmetric stresses, have no torque; Verlet's method preserves angular momentum.
 TEST(SoftBody, VerletKeepsTheAngularMomentum) {
   for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
     SoftBodyOptions options = ideal("verlet", 1e-3);
@@ -101,7 +101,7 @@ TEST(SoftBody, EnergyOfVerletDoesNotDrift) {
     options.stiffness = 2000;
     SoftBody body = shaken_bar(options);
     const double start = body.energies().total();
-    // Between 20 and 80 periods of the fastest vibrations a block.
+    // Between 20 and 80 periods of the fastest vibrations per block.
     double worst[6] = {}, mean[6] = {};
     for (int block = 0; block < 6; ++block) {
       for (int k = 0; k < 1000; ++k) {
@@ -132,7 +132,7 @@ TEST(SoftBody, ImplicitEulerNeverGainsEnergy) {
   }
 }
 
-/// Where a tetrahedron that has been pulled apart and spun is after a tenth of a second.
+/// A stretched and spinning tetrahedron after a tenth of a second.
 std::vector<Vec3> one_tet_after(std::string_view integrator, double h, double damping) {
   SoftBodyOptions options = ideal(integrator, h);
   options.total_mass = 4, options.stiffness = 400, options.damping = damping;
@@ -163,7 +163,7 @@ TEST(SoftBody, ErrorsFallByTheOrder) {
   EXPECT_NEAR(order_of("verlet", 2), 1, 0.15);  // damping of half a step before
 }
 
-/// A bar of 80 cells, as the source's, with one end fixed and the other one pulled. Whether it lasts for 400 steps.
+/// A bar of 80 cells, as in the source, with one end fixed and the other pulled; whether it is stable for 400 steps.
 bool lasts(std::string_view integrator, double stiffness, double h) {
   SoftBodyOptions options;
   options.integrator = integrator, options.stiffness = stiffness, options.step = h, options.damping = 3;
@@ -188,8 +188,8 @@ bool lasts(std::string_view integrator, double stiffness, double h) {
   return std::all_of(x.begin(), x.end(), [](const Vec3& p) { return is_finite(p) && norm(p) < 10; });
 }
 
-// Thesis 6.4.5: explicit methods took no more than h = 0.001 s with k_s = 3000, while with the implicit one and h =
-// 0.01 s "no stability problem was found" for more than 30,000.
+// tejada2008, 6.4.5: explicit methods took no more than h = 0.001 s with k_s = 3000, while with the implicit one and h
+// = 0.01 s "no stability problem was found" for more than 30,000.
 TEST(SoftBody, ImplicitEulerIsStableWhereExplicitMethodsExplode) {
   for (std::string_view integrator : kAllIntegrators) {
     SCOPED_TRACE(integrator);
@@ -239,7 +239,7 @@ TEST(SoftBody, StepsThatDoNotConvergeAreHalvedAndBecomeLongAgain) {
   EXPECT_GT(first.parts, 1);
   EXPECT_LT(first.shortest, options.step);
   EXPECT_DOUBLE_EQ(first.time, options.step);
-  // As it comes to rest there is less to solve.
+  // As it comes to rest, fewer iterations are needed.
   for (int k = 0; k < 250; ++k) body.step();
   for (int k = 0; k < 50; ++k) EXPECT_EQ(body.step().parts, 1);
 
@@ -253,8 +253,7 @@ TEST(SoftBody, StepsThatDoNotConvergeAreHalvedAndBecomeLongAgain) {
   }
 }
 
-/// How the bar hangs, relative to where it would be carried, after 40 steps: one end is pulled along at a speed that
-/// all of it has.
+/// Shape of the bar in the moving frame after 40 steps: one end is pulled along at the speed of the whole bar.
 std::vector<Vec3> carried_bar(double h, const Vec3& velocity) {
   SoftBodyOptions options;
   options.step = h;
@@ -272,7 +271,7 @@ std::vector<Vec3> carried_bar(double h, const Vec3& velocity) {
   return x;
 }
 
-// A force acts on what moves as on what rests, however small its impulse in a step beside the momentum.
+// A force acts on a moving body as on one at rest, however small its impulse in a step beside the momentum.
 TEST(SoftBody, ImplicitEulerDoesNotKnowWhetherItMoves) {
   for (const double h : {1e-2, 1e-3, 1e-4}) {
     const auto at_rest = carried_bar(h, {}), fast = carried_bar(h, {30, 200, -100});
@@ -289,10 +288,10 @@ TEST(SoftBody, ImplicitEulerDoesNotKnowWhetherItMoves) {
 TEST(SoftBody, WhatFallsFallsFasterAndFaster) {
   for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
     for (const double h : {1e-2, 1e-3, 1e-4}) {
-      SoftBodyOptions options;  // of the usual tolerance
+      SoftBodyOptions options;  // default tolerance
       options.model = model, options.step = h, options.damping = 0;
       SoftBody body(small_bar(), options);
-      // It trembles, too.
+      // It also vibrates.
       auto v = random_vectors(body.rest().vertices.size(), 1, 7);
       for (Vec3& a : v) a.z -= 300;
       body.set_state(body.positions(), v);
@@ -364,7 +363,7 @@ TEST(SoftBody, MassesAreThoseOfTheVolumeOrEqual) {
   for (const double m : equal.masses()) EXPECT_NEAR(m, 0.1, 1e-12);
 }
 
-/// The message of what making a body of these throws.
+/// Message of the exception that the constructor throws for these arguments.
 template <class Expected>
 std::string refused(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene = {}) {
   try {

@@ -22,7 +22,7 @@ using test::small_bar;
 constexpr std::string_view kExplicit[] = {"explicit-euler", "verlet", "velocity-verlet"};
 constexpr SoftBodyModel kModels[] = {SoftBodyModel::springs, SoftBodyModel::corotational};
 
-/// The most that the energy becomes in 400 steps, over that of the beginning; infinity of what explodes.
+/// Largest energy in 400 steps relative to the initial energy; infinity if the body explodes.
 double most_energy(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene = {}) {
   SoftBody body(mesh, options, scene);
   body.set_state(body.positions(), random_vectors(mesh.vertices.size(), 1e-4, 5));
@@ -40,8 +40,7 @@ double most_energy(const TetMesh& mesh, const SoftBodyOptions& options, const Dy
 }
 
 TEST(StableStep, OfVibrationsAndDecayIsWhereTheStepsTurn) {
-  // One mass on a spring with a damper: the methods as recurrences. Just below the step nothing grows, just above it
-  // something does.
+  // One mass on a damped spring, with the methods as recurrences: stable just below the limit, unstable just above.
   const auto grows = [](std::string_view integrator, double w, double c, double h) {
     double x = 1, v = 0.3, a = -w * x - c * v;
     for (int k = 0; k < 20000; ++k) {
@@ -90,7 +89,7 @@ TEST(StableStep, NoBodyGainsEnergyWithIt) {
           }
           options.step *= 0.5;
           EXPECT_LT(most_energy(light ? small_bar() : fine, options), 1.3);
-          // Of elasticity damping is known exactly. A weakly damped explicit Euler grows slowly.
+          // Damping of the elastic model is known exactly. A weakly damped explicit Euler grows slowly.
           if (model == SoftBodyModel::springs && damping > 0) continue;
           if (integrator == "explicit-euler" && damping < 1e-3) continue;
           options.step *= 2 * 1.25;
@@ -113,7 +112,7 @@ TEST(StableStep, SpringsOfHandlesCount) {
     options.step = 1.25 * with;
     EXPECT_GT(most_energy(small_bar(), options, scene), 100);
   }
-  // Nothing damps those springs; Rayleigh's α would.
+  // Undamped springs of handles; Rayleigh's α would damp them.
   SoftBodyOptions options = ideal("explicit-euler", 1);
   options.model = SoftBodyModel::corotational, options.stiffness_damping = 1e-3;
   EXPECT_EQ(stable_step(small_bar(), options, scene), 0);
@@ -135,7 +134,7 @@ TEST(StableStep, IsToldWhereABodyExplodes) {
     }
     return std::string();
   };
-  EXPECT_NE(told().find("not stable without damping"), std::string::npos) << told();
+  EXPECT_NE(told().find("unstable without damping"), std::string::npos) << told();
   options.damping = 10;
   EXPECT_NE(told().find("take a `step` of 0.003 s"), std::string::npos) << told();
 }

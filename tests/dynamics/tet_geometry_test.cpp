@@ -27,7 +27,7 @@ double volume_of(const TetMesh& mesh) {
   return sum;
 }
 
-/// Of what faces surround, by the theorem of Gauss.
+/// Volume enclosed by the boundary, by the divergence theorem.
 double volume_within(const TetMesh& mesh) {
   double six = 0;
   for (const Triangle& t : boundary_faces(mesh)) {
@@ -76,7 +76,7 @@ TEST(TetGeometry, RefinementFillsTheSameSpaceWithoutSlivers) {
   const TetMesh mesh = uneven(), fine = refine_uniformly(mesh);
   check_tets(fine);
   EXPECT_EQ(fine.tets.size(), 8 * mesh.tets.size());
-  EXPECT_EQ(boundary_faces(fine).size(), 4 * boundary_faces(mesh).size());  // it conforms
+  EXPECT_EQ(boundary_faces(fine).size(), 4 * boundary_faces(mesh).size());  // conforming
   EXPECT_NEAR(volume_of(fine), volume_of(mesh), 1e-12);
   EXPECT_NEAR(volume_within(fine), volume_of(mesh), 1e-12);
   for (std::size_t k = 0; k < fine.tets.size(); ++k) {

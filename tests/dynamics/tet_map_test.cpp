@@ -151,7 +151,7 @@ TEST(TetMap, NeedsVolumeAndPositions) {
 
 TEST(TetEmbedding, CarriesPointsAndTheirNormals) {
   const Twisted bar;
-  // Affine: positions and normals are known anywhere, also beyond the tetrahedra.
+  // Affine: positions and normals are known everywhere, also outside the tetrahedra.
   const Matrix3 a{{1.2, 0.1, 0}, {0.3, 0.8, 0.2}, {0, -0.1, 1.1}};
   const auto moved_by = [&](const Vec3& p) { return Vec3{1, 2, 3} + a.a * p.x + a.b * p.y + a.c * p.z; };
   const std::vector<Vec3> points = points_in({{-0.2, -0.2, -0.2}, {3.2, 1.2, 1.2}}, 2000, 11);

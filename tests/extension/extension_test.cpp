@@ -1,5 +1,5 @@
-// What a program adds to the library (a surface, a reconstruction of volumes, an integrator, a format, a job with its
-// command) is in help, schema, reports and results as what the library has itself.
+// Tests of extensions by a program (a surface, a volume reconstruction, an integrator, a format, a job with its
+// command): they appear in help, schema, reports and results like those of the library.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -29,7 +29,7 @@ const nlohmann::json* option_of(const nlohmann::json& command, const std::string
   return nullptr;
 }
 
-/// Help without the breaks of its lines.
+/// Help without line breaks.
 std::string unwrapped(const std::string& help) {
   std::string text;
   for (const char c : help)
@@ -151,7 +151,7 @@ TEST_F(Extension, IntegratorIsKnownEverywhere) {
   EXPECT_NE(help.find("heun (Heun's, second order)"), std::string::npos) << help;
   EXPECT_NE(help.find("Of euler, rk4, heun, and at most of dopri5"), std::string::npos) << help;
 
-  // Turns of the rotation are circles: Heun's are nearly so, and nearer with shorter steps.
+  // Trajectories of the rotation are circles; Heun's method approximates them, and better with shorter steps.
   const auto farthest = [&](const std::vector<std::string>& more) {
     std::vector<std::string> command{"flow",       "lines", "rotation", "--seeds", "point(1,0,0)",
                                      "--duration", "6",     "-o",       "turn.csv"};
@@ -166,7 +166,7 @@ TEST_F(Extension, IntegratorIsKnownEverywhere) {
   const double coarse = farthest({"--integrator", "heun", "--step-length", "0.2"}),
                fine = farthest({"--integrator", "heun", "--step-length", "0.1"});
   EXPECT_LT(coarse, 0.01);
-  EXPECT_NEAR(coarse / fine, 8, 1);  // of radii one order more than of places
+  EXPECT_NEAR(coarse / fine, 8, 1);  // radii have one order more than positions
   EXPECT_LT(farthest({"--integrator", "heun"}), 1e-4);
   EXPECT_GT(farthest({"--integrator", "euler", "--step-length", "0.1"}), 0.1);
 
@@ -185,7 +185,7 @@ TEST_F(Extension, FormatIsReadAndWritten) {
   ASSERT_EQ(again.size(), ball.size());
   for (std::size_t i = 0; i < ball.size(); ++i)
     EXPECT_NEAR(norm(again.origin + Vec3(again.positions[i]) - Vec3(ball.positions[i])), 0, 1e-5);
-  // By its content, whatever it is called.
+  // Detection by content, with any name.
   std::filesystem::rename(path("ball.triples"), path("ball.unheard"));
   EXPECT_EQ(run({"info", "ball.unheard"}).code, 0);
   write("torn.triples", "triples\npoint 1 2\n");

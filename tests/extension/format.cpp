@@ -1,4 +1,4 @@
-// A format of points: a line "point X Y Z" for each, after a line "triples".
+// A format of points: a line "triples", then one line "point X Y Z" per point.
 #include <fmt/format.h>
 
 #include <iterator>
@@ -43,7 +43,7 @@ const Registered<FormatInfo> triples({.name = "triples",
                                       .written = {{{"triples", kPoints}}},
                                       .read_points = read_triples,
                                       .write_points = write_triples,
-                                      .points_room = FormatRoom::positions,
+                                      .points_capacity = FormatCapacity::positions,
                                       .recognizes = [](std::string_view bytes) {
                                         return bytes.starts_with("triples");
                                       }});

@@ -1,4 +1,4 @@
-// An integrator of particles of its own: Heun's, the mean of the velocities at both ends of Euler's step.
+// An integrator of particles: Heun's method, with the mean of the velocities at both ends of Euler's step.
 #include "sansmesh/flow/flow_integrator.h"
 
 namespace sansmesh::inline v1 {

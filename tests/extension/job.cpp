@@ -1,4 +1,4 @@
-// A job with options of its own, and the command that calls it: points moved along an axis.
+// A job with its options and its command: moves points along an axis.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -7,7 +7,7 @@
 #include "cli/input/cloud_input.h"
 #include "cli/line/command.h"
 #include "cli/line/schema_options.h"
-#include "cli/report/told_files.h"
+#include "cli/report/file_reports.h"
 #include "sansmesh/io.h"
 #include "sansmesh/progress.h"
 
@@ -50,12 +50,12 @@ cli::Command add_shift(cli::CommandLine& app) {
   cli::add_cloud_input(c, a->input, "Points");
   c.add_option("-o,--output", a->output, "Points to write").writes().required();
   cli::add_schema(c, a->options);
-  c.tells({cli::told<cli::WrittenPoints>("output")});
+  c.announce({cli::report_of<cli::WrittenPoints>("output")});
   return {&c, [a](cli::Console& console) {
             ReadReport read;
             const PointSet moved = shift(a->input.read(console, read), a->options, console.progress());
             write_points(a->output, moved);
-            console.tell(cli::WrittenPoints{a->output, moved.size()}, "output");
+            console.report(cli::WrittenPoints{a->output, moved.size()}, "output");
           }};
 }
 

@@ -1,4 +1,4 @@
-// A surface of a family of its own: mean of the tangent planes of the nearest samples (Shepard 1968).
+// A surface of a new family: mean of the tangent planes of the nearest samples (shepard1968).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 constexpr int kMostNeighbours = 50;
 constexpr OwnOption<"shepard_neighbours", 10> kNeighbours({.text = "Nearest samples whose planes count",
                                                            .range = {3, kMostNeighbours}});
-/// Least squared distance: a sample may coincide with the place.
+/// Least squared distance, since a sample may coincide with the query point.
 constexpr double kLeastSquare = 1e-12;
 
 class ShepardPlanes : public ScalarField {

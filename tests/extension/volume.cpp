@@ -1,4 +1,4 @@
-// A reconstruction of volumes of its own: in every place the mean of all samples.
+// A volume reconstruction: the mean of all samples everywhere.
 #include <algorithm>
 #include <memory>
 #include <utility>

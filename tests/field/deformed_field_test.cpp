@@ -32,7 +32,7 @@ std::vector<Vec3> points_in(const Box3& box, std::size_t count, unsigned seed = 
 
 std::shared_ptr<const Solid> shared(const Solid& s) { return std::make_shared<const Solid>(s); }
 
-/// Sheared and stretched; its determinant is 0.9 · 1.3 · 0.7.
+/// Shear and stretch with determinant 0.9 · 1.3 · 0.7.
 AffineSpaceMap sheared() { return {{Vec3{0.9, 0, 0}, Vec3{0.2, 1.3, 0}, Vec3{-0.1, 0.3, 0.7}}, {0.3, -2, 0.1}}; }
 
 void expect_gradients(const ScalarField& field, std::span<const Vec3> x, double tolerance) {
@@ -46,7 +46,7 @@ void expect_gradients(const ScalarField& field, std::span<const Vec3> x, double 
     for (Vec3& p : high) p[k] += h;
     std::vector<double> a(x.size()), b(x.size());
     field.evaluate(low, a), field.evaluate(high, b);
-    std::size_t off = 0;  // at creases, of pieces and of the lattice of the stretch
+    std::size_t off = 0;  // at creases of pieces and of the stretch lattice
     for (std::size_t i = 0; i < x.size(); ++i) off += !(std::abs(gradient[i][k] - (b[i] - a[i]) / (2 * h)) < tolerance);
     EXPECT_LE(off, x.size() / 200) << "axis " << k;
   }
@@ -100,7 +100,7 @@ TEST(DeformedField, ABallUnderAnAffineMapIsAnEllipsoid) {
   EXPECT_NEAR(report.volume, 4.0 / 3 * std::numbers::pi * std::pow(0.9, 3) / (0.9 * 1.3 * 0.7), 2e-3 * report.volume);
   expect_gradients(field, points_in(field.bounds(), 1000), 1e-6);
   expect_ranges_hold(field, field.bounds(), 0.3);
-  // No value says more than the distance, and that is what is said next to the surface along the steepest way.
+  // Values never exceed the distance, and equal it near the surface along the steepest direction.
   const std::vector<Vec3> x = points_in(field.bounds(), 2000);
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
@@ -124,7 +124,7 @@ TEST(DeformedField, TwistedSolidsKeepTheirVolumeAndTheirCreases) {
   const TriangleMesh mesh = mesh_csg(field, options, progress, &report);
   EXPECT_TRUE(report.closed);
   EXPECT_NEAR(report.volume, 1.2, 2e-3);
-  // The long edges are helices: vertices lie on them, which no grid does by itself.
+  // The long edges are helices with vertices on them, which no grid places there by itself.
   std::size_t on_edges = 0;
   for (const Vec3f& v : mesh.vertices) {
     const Vec3 p = mesh.origin + Vec3(v);
@@ -151,8 +151,8 @@ TEST(DeformedField, GapsAreClosedByOneMorePiece) {
   }
 }
 
-/// What is on the upper side of a plane comes from elsewhere: a cut whose sides slid along or came apart. As of cuts by
-/// handles the gap says how far both the place and its source are from the plane.
+/// Map that shifts the half-space above a plane: a cut whose sides slid or separated. As for cuts by handles, the gap
+/// is the distance of both the point and its source from the plane.
 class ShiftMap final : public SpaceMap {
  public:
   explicit ShiftMap(const Vec3& way, double at = 0) : way_(way), at_(at) {}
@@ -178,7 +178,7 @@ TEST(DeformedField, RangesHoldWhereTheMapJumps) {
     const DeformedField field(shared(sphere({}, 1)), std::make_shared<const ShiftMap>(way));
     for (const double radius : {0.02, 0.1, 0.3}) {
       expect_ranges_hold(field, {{-0.1, -2, -1}, {0.1, 2, 1}}, radius);
-      // Away from the cut they are no wider than those of a smooth map.
+      // Away from the cut, ranges are no wider than those of a smooth map.
       std::vector<Vec3> x{{-0.95, 0.3, 0.1}};
       std::vector<ValueRange> range(1);
       field.ranges(x, radius, range);
@@ -190,7 +190,7 @@ TEST(DeformedField, RangesHoldWhereTheMapJumps) {
 }
 
 TEST(DeformedField, SolidsReachTheFacesOfCuts) {
-  // The upper part of the ball is gone: what is left reaches up to the plane.
+  // The upper part of the ball is removed: the rest extends to the plane.
   const std::vector<Vec3> x = points_in({{-0.1, -1, -1}, {0.1, 1, 1}}, 20'000);
   std::vector<double> values(x.size());
   for (const double at : {-0.03, -0.01, 0.0, 0.01, 0.03}) {
@@ -231,7 +231,7 @@ TEST(DeformedField, NothingIsWhereTheMapIsNotDefined) {
 }
 
 TEST(DeformedField, BoundsAreFoundFarAway) {
-  Jacobian small{Vec3{0.01, 0, 0}, Vec3{0, 0.01, 0}, Vec3{0, 0, 0.01}};  // what is seen is a hundred times larger
+  Jacobian small{Vec3{0.01, 0, 0}, Vec3{0, 0.01, 0}, Vec3{0, 0, 0.01}};  // the image is a hundred times larger
   const DeformedField large(shared(sphere({1, 2, 3}, 1)), std::make_shared<const AffineSpaceMap>(small, Vec3{5, 5, 5}));
   const Vec3 center{-400, -300, -200};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -259,7 +259,7 @@ TEST(InverseMap, GoesBackAndSaysWhereItCannot) {
   const InverseAnswers some = inverse_map(flat, targets, starts);
   EXPECT_EQ(some.found, (std::vector<std::uint8_t>{1, 0}));
   EXPECT_EQ(some.missed, 1u);
-  EXPECT_LT(norm(some.positions[1] - Vec3{0.5, 0.5, 0.3}), 1e-9);  // the nearest
+  EXPECT_LT(norm(some.positions[1] - Vec3{0.5, 0.5, 0.3}), 1e-9);  // nearest point
   EXPECT_THROW(inverse_map(flat, targets, std::span(starts).first(1)), ArgumentError);
 }
 
@@ -287,13 +287,13 @@ TEST(InverseMap, IsAMap) {
 }
 
 TEST(MapStretch, IsTheLargestSingularValue) {
-  // A rotation between two stretches.
+  // Rotation between two stretches.
   const double c = std::cos(0.7), s = std::sin(0.7);
   EXPECT_NEAR(largest_stretch({Vec3{2 * c, 3 * s, 0}, Vec3{-2 * s, 3 * c, 0}, Vec3{0, 0, 0.5}}), 3, 1e-12);
   EXPECT_EQ(largest_stretch({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}), 1);
   EXPECT_NEAR(largest_stretch({Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}}), 1, 1e-12);
   EXPECT_EQ(largest_stretch({Vec3{}, Vec3{}, Vec3{}}), 0);
-  // On a lattice: that of a twist is highest far from its axis.
+  // On a lattice: a twist stretches most far from its axis.
   const MapStretch stretch(TwistMap(1), {{-1, -1, -1}, {1, 1, 1}});
   const Vec3 axis{0, 0, 0}, far{1, 1, 0.3};
   EXPECT_NEAR(stretch.at(axis), 1, 1e-9);

@@ -62,7 +62,7 @@ TEST(DeformedVolume, IsTheSourceThroughTheMap) {
     field.evaluate(low, {a}), field.evaluate(high, {b});
     for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(gradients[i][k], (b[i] - a[i]) / 2e-5, 1e-8);
   }
-  // All that is seen of the source lies in the bounds.
+  // The bounds contain all points inside the source.
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(!inside[i] || field.bounds().contains(x[i]));
   EXPECT_LT(field.bounds().diagonal(), 4);
 }
@@ -79,7 +79,7 @@ TEST(DeformedVolume, SpacingAndRangesFollowTheStretch) {
   field.ranges(boxes, found);
   EXPECT_NEAR(found[0].least, 0.2 * 0.2 + 0.1, 1e-12);
   EXPECT_NEAR(found[0].most, 0.4 * 0.5 + 0.3, 1e-12);
-  // Of maps that know nothing of boxes: those of all the volume.
+  // For maps without bounds: the range of the whole volume.
   const DeformedVolume twisted(source(), std::make_shared<const TwistMap>(0.8));
   twisted.ranges(boxes, found);
   EXPECT_EQ(found[0].least, 0);
@@ -97,7 +97,7 @@ TEST(DeformedVolume, GapsAreNotInside) {
   EXPECT_NEAR(values[2], 0.05 * 0.5 + 0.5, 1e-12);
   EXPECT_EQ(values[4], 0);
   EXPECT_EQ(gradients[4], Vec3{});
-  // The gap by itself.
+  // The gap as a field.
   const MapGaps gap(std::make_shared<const SplitMap>(0.25, 0.2), field.bounds());
   std::vector<double> depth(2);
   std::vector<Vec3> slope(2);

@@ -1,4 +1,3 @@
-#include "sansmesh/field/level_set_curvature.h"
 
 #include <gtest/gtest.h>
 
@@ -8,41 +7,24 @@
 #include <random>
 
 #include "sansmesh/error.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
+#include "support/formula_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A function given by a formula for its value and its gradient.
-class Formula final : public ScalarField {
- public:
-  explicit Formula(std::function<double(const Vec3&, Vec3&)> formula) : formula_(std::move(formula)) {}
-  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      Vec3 gradient;
-      values[i] = formula_(x[i], gradient);
-      if (!gradients.empty()) gradients[i] = gradient;
-    }
-  }
+using test::FormulaField;
 
- private:
-  std::function<double(const Vec3&, Vec3&)> formula_;
-};
-
-const Formula kSphere([](const Vec3& p, Vec3& gradient) {
+const FormulaField kSphere([](const Vec3& p, Vec3& gradient) {
   gradient = normalized(p);
   return norm(p) - 1;
 });
 
 /// Torus around z with radii 1 and 0.35.
-const Formula kTorus([](const Vec3& p, Vec3& gradient) {
-  const double q = std::hypot(p.x, p.y), w = std::hypot(q - 1, p.z);
-  gradient = {(q - 1) / w * p.x / q, (q - 1) / w * p.y / q, p.z / w};
-  return w - 0.35;
-});
+const FormulaField kTorus([](const Vec3& p, Vec3& gradient) { return test::distance_to_ring(p, gradient) - 0.35; });
 
 std::vector<Vec3> directions(std::size_t n) {
   std::mt19937 random(3);
@@ -92,12 +74,12 @@ TEST(LevelSetCurvature, TorusHasBothSigns) {
 }
 
 TEST(LevelSetCurvature, OfTheSetNotOfTheFunction) {
-  // The same level sets of a steeper function; the other side of the surface is concave.
-  const Formula steep([](const Vec3& p, Vec3& gradient) {
+  // A steeper function with the same level sets; the other side of the surface is concave.
+  const FormulaField steep([](const Vec3& p, Vec3& gradient) {
     gradient = p * (3 * norm(p));
     return std::pow(norm(p), 3) - 1;
   });
-  const Formula turned([](const Vec3& p, Vec3& gradient) {
+  const FormulaField turned([](const Vec3& p, Vec3& gradient) {
     gradient = -normalized(p);
     return 1 - norm(p);
   });
@@ -113,7 +95,7 @@ TEST(LevelSetCurvature, OfTheSetNotOfTheFunction) {
 }
 
 TEST(LevelSetCurvature, NoneWhereTheGradientVanishes) {
-  const Formula flat([](const Vec3& p, Vec3& gradient) {
+  const FormulaField flat([](const Vec3& p, Vec3& gradient) {
     gradient = p * 2.0;
     return squared_norm(p);
   });

@@ -1,4 +1,5 @@
-// The one shape of batch queries: the same answers as by the functions that fields override, and only what is wanted.
+// Common interface of batch queries: the results equal those of the overridden functions, and only requested ones are
+// computed.
 #include "sansmesh/query.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 
 constexpr Vec3 kSlope{1, -2, 0.5};
 
-/// Straight, and defined where x is not negative.
+/// Linear field, defined for x >= 0.
 class HalfField final : public ScalarField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
@@ -32,7 +33,7 @@ class HalfField final : public ScalarField {
   }
 };
 
-/// Along x, faster as time goes on, until the moment 2.
+/// Flow along x that accelerates until time 2.
 class Breeze final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
@@ -77,7 +78,7 @@ TEST(Query, VectorsAtTheirMoments) {
   EXPECT_THROW(wind.query({.points = kPlaces, .times = std::vector<double>{0, 1}}, {values}), ArgumentError);
 }
 
-/// Not defined at one place.
+/// Undefined at one point.
 class Hole final : public SpaceMap {
  public:
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {

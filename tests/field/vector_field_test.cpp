@@ -1,4 +1,4 @@
-// The contract of vector fields, on one that is known in closed form.
+// Contract of vector fields, tested on a closed-form field.
 #include "sansmesh/vector_field.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Inside the unit ball, for 0 ≤ t ≤ 2: a rotation by ω that grows with time, and a flow out of the middle.
+/// In the unit ball, for 0 ≤ t ≤ 2: a rotation by ω that increases with time, and a source at the centre.
 class SwirlingSource final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }

@@ -58,7 +58,7 @@ TEST(VolumeComponent, TakesOneOrTheLength) {
       EXPECT_NEAR(gradients[i][k], (values[1] - values[0]) / 2e-5, 1e-8);
     }
   }
-  // A gradient alone; and where the vector vanishes, none.
+  // Gradients only; zero where the vector vanishes.
   std::vector<Vec3> alone(3);
   length.evaluate(x, {{}, alone});
   EXPECT_EQ(alone, gradients);

@@ -26,7 +26,7 @@ Asked ask(const VectorField& field, const std::vector<Vec3>& x, double t) {
   return a;
 }
 
-/// Places well inside, and away from the sphere of the flow past it.
+/// Points in the interior, outside the sphere of the flow past it.
 std::vector<Vec3> places(const Box3& box) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.05, 0.95);
@@ -56,7 +56,7 @@ TEST(AnalyticFlows, DerivativesAreThoseOfTheVectors) {
   }
 }
 
-/// All but the tornado, which draws air from nowhere, keep volumes.
+/// All flows except the tornado are divergence-free.
 TEST(AnalyticFlows, KeepVolumes) {
   for (const AnalyticFlow& known : analytic_flows()) {
     if (known.name == "tornado") continue;
@@ -80,7 +80,7 @@ TEST(AnalyticFlows, EndWhereTheyEnd) {
   const Asked a = ask(*flow, {{0.2, 0.1, 0}, {5, 0, 0}, {nan, 0, 0}, {0, 1, 0}}, 0);
   EXPECT_EQ(a.inside, (std::vector<std::uint8_t>{0, 0, 0, 1}));
   EXPECT_EQ(norm(a.vectors[0]) + norm(a.vectors[1]) + norm(a.vectors[2]), 0);
-  EXPECT_NEAR(a.vectors[3].x, 1.5, 1e-12);  // half as fast again at the sphere's equator
+  EXPECT_NEAR(a.vectors[3].x, 1.5, 1e-12);  // 1.5 times the speed at the sphere's equator
   EXPECT_THROW(analytic_flow("nothing"), ArgumentError);
 }
 

@@ -36,7 +36,7 @@ TEST(Seeds, ShapesAreWhatTheySay) {
   const Seeds box = parse_seeds("box(64)", kBox);
   EXPECT_NEAR(static_cast<double>(box.points.size()), 64, 20);
   for (const Vec3& x : box.points) EXPECT_TRUE(kBox.contains(x));
-  // Layers, thick and thin ones, and rods have as many.
+  // Layers, thick and thin, and rods have the same number.
   for (const Vec3& size : {Vec3{3, 2, 0}, Vec3{3, 0.01, 2}, Vec3{0.001, 2, 2}, Vec3{0, 1e-3, 5}}) {
     const Box3 layer{{1, 1, 1}, Vec3{1, 1, 1} + size};
     const Seeds flat = parse_seeds("box(200)", layer);

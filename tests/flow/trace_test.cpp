@@ -28,7 +28,7 @@ TraceOptions for_time(double duration, std::string_view integrator = "dopri5") {
   return options;
 }
 
-/// Distance from where a particle of the rotation should be after a quarter of a turn.
+/// Error of a particle of the rotation after a quarter turn.
 double error_of(std::string_view integrator, double step) {
   const auto flow = analytic_flow("rotation");
   TraceOptions options = for_time(kPi / 2, integrator);
@@ -39,7 +39,7 @@ double error_of(std::string_view integrator, double step) {
   return norm(t.positions.back() - Vec3{0, 1, 0});
 }
 
-/// Integrators are known by name; what is none is an error with all names, before anything moves.
+/// Unknown integrators are an error that lists all names, before anything moves.
 TEST(Trace, WhatIsNoIntegratorIsAnErrorThatListsThem) {
   const auto flow = analytic_flow("rotation");
   for (const char* const wrong : {"rk5", "", "Euler"}) {
@@ -53,7 +53,7 @@ TEST(Trace, WhatIsNoIntegratorIsAnErrorThatListsThem) {
   }
 }
 
-/// Errors fall by the order that integrators are registered with, and steps are as long by themselves.
+/// Errors fall with the registered order, and default steps have the registered length.
 TEST(Trace, IntegratorsAreWhatTheyAreRegisteredAs) {
   const auto flow = analytic_flow("rotation");
   const double diagonal = flow->bounds().diagonal();
@@ -97,7 +97,7 @@ TEST(Trace, PointsBetweenStepsLieOnTheLine) {
       EXPECT_NEAR(norm(t.positions[i] - Vec3{std::cos(t.times[i]), std::sin(t.times[i]), 0}), 0, 5e-5);
       EXPECT_NEAR(norm(t.velocities[i]), 1, 0.01);
     }
-    EXPECT_NEAR(norm(t.positions.back() - Vec3{1, 0, 0}), 0, 5e-5);  // all around
+    EXPECT_NEAR(norm(t.positions.back() - Vec3{1, 0, 0}), 0, 5e-5);  // a full turn
   }
 }
 
@@ -148,7 +148,7 @@ TEST(Trace, EndsAtCriticalPointsAfterALengthAndOfSteps) {
   EXPECT_EQ(traced(*around, {{1, 0, 0}}, few).ends[0], TraceEnd::steps);
 }
 
-/// A sink at the origin, round which particles spiral.
+/// A sink at the origin, around which particles spiral.
 class Spiral final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
@@ -156,7 +156,8 @@ class Spiral final : public VectorField {
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       inside[i] = bounds().contains(x[i]);
-      // Ever faster decay in some directions: steps are as long as stability allows, and no nearer than the tolerance.
+      // Stiff decay in one direction: steps are limited by stability, and particles do not approach closer than the
+      // tolerance.
       vectors[i] = inside[i] != 0 ? Vec3{-x[i].x - x[i].y, x[i].x - x[i].y, -30 * x[i].z} : Vec3{};
       if (!jacobian.empty()) jacobian[i] = {};
     }
@@ -173,7 +174,7 @@ TEST(Trace, ParticlesThatCannotGetNearerHaveArrived) {
     EXPECT_LT(norm(t.positions[t.offsets[i + 1] - 1]), 0.032);
     EXPECT_LT(t.offsets[i + 1] - t.offsets[i], 300u);
   }
-  // Whoever sets no least speed wants to know where it is at that moment.
+  // Without a least speed the position at the end of the duration is required.
   options.least_speed = 0, options.duration = 100;
   EXPECT_EQ(traced(field, {{0.5, 0.2, 0.3}}, options).ends[0], TraceEnd::time);
 }
@@ -191,7 +192,7 @@ TEST(Trace, BoundariesAreFoundInFewSteps) {
   }
 }
 
-/// Ten steps in time; fast eddies above, hardly any motion below.
+/// Ten moments; fast eddies above, almost no motion below.
 class FastAndSlow final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
@@ -210,7 +211,7 @@ class FastAndSlow final : public VectorField {
 };
 
 TEST(Trace, TriesAreCountedForEachParticle) {
-  // One that needs many steps does not end the others.
+  // A particle that needs many steps does not end the others.
   const FastAndSlow field;
   TraceOptions options;
   options.most_steps = 100;
@@ -243,7 +244,7 @@ TEST(Trace, SeedsOutsideHaveNoLine) {
   EXPECT_EQ(t.ends[2], TraceEnd::outside);
   EXPECT_EQ(t.offsets[1], 0u);
   EXPECT_EQ(t.offsets[3], t.offsets[2]);
-  for (const Vec3& x : t.positions) EXPECT_GE(norm(x), 1 - 1e-9);  // round the sphere
+  for (const Vec3& x : t.positions) EXPECT_GE(norm(x), 1 - 1e-9);  // around the sphere
 }
 
 TEST(Trace, ParticlesMoveTogetherToOneMoment) {

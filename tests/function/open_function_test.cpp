@@ -121,7 +121,7 @@ TEST(OpenFunction, IsKeptInFiles) {
   write_fitted_function(folder / "sheet.smf", before);
   const FittedFunction after = read_fitted_function(folder / "sheet.smf");
   EXPECT_EQ(after.field.report().open_area, before.field.report().open_area);
-  EXPECT_EQ(after.field.report().behind, before.field.report().behind);
+  EXPECT_EQ(after.field.report().mean_winding_number, before.field.report().mean_winding_number);
   EXPECT_TRUE(same_bytes(open_mesh(before).vertices, open_mesh(after).vertices));
 }
 

@@ -1,4 +1,4 @@
-// Attributes of points, vertices and triangles: what is written is read back, in type, number and name.
+// Round trips of attributes of points, vertices and triangles: type, number and name.
 #include <cmath>
 #include <limits>
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace test;
 
-/// Extreme and common values of every type, alone and as three components; `n` rows.
+/// Extreme and common values of every type, as one and as three components; `n` rows.
 AttributeTable every_type(std::size_t n) {
   AttributeTable table;
   for (int t = 0; t < 10; ++t)
@@ -77,7 +77,7 @@ TEST(Attributes, OfTablesKeepTheirNumbers) {
   EXPECT_EQ(*back.attributes.find<std::int64_t>("int64_alone"), *points.attributes.find<std::int64_t>("int64_alone"));
   EXPECT_EQ(*back.attributes.find<std::uint64_t>("uint64_alone"),
             *points.attributes.find<std::uint64_t>("uint64_alone"));
-  // Once more, the bytes are the same.
+  // A second round trip produces the same bytes.
   write_points(folder / "b.csv", back);
   EXPECT_EQ(slurp(folder / "b.csv"), slurp(folder / "a.csv"));
 }
@@ -122,7 +122,7 @@ TEST(Attributes, OfFacesGoToTheTrianglesThatTheyBecome) {
 }
 
 TEST(Attributes, OfCellsOfAVtpFollowVerticesAndLines) {
-  // Two vertex cells and a line come before the polygon and the strip.
+  // Two vertex cells and a line precede the polygon and the strip.
   const std::string file =
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\"><PolyData>"
       "<Piece NumberOfPoints=\"5\" NumberOfVerts=\"2\" NumberOfLines=\"1\" NumberOfStrips=\"1\" NumberOfPolys=\"1\">"
@@ -147,7 +147,7 @@ TEST(Attributes, OfCellsOfAVtpFollowVerticesAndLines) {
   const TriangleMesh mesh = read_mesh(folder.put("a.vtp", file), &report);
   ASSERT_EQ(mesh.triangles.size(), 3u);
   EXPECT_EQ(*mesh.attributes.find<float>("a <b>"), (std::vector<float>{1, 2, 3, 4, 5}));
-  EXPECT_TRUE(mesh.colors.empty());  // three bytes whose name is none of a colour
+  EXPECT_TRUE(mesh.colors.empty());  // three bytes without a colour's name
   EXPECT_EQ(mesh.attributes.find("label")->components, 3u);
   EXPECT_EQ(*mesh.triangle_attributes.find<std::uint64_t>("id"),
             (std::vector<std::uint64_t>{18446744073709551615u, 5, 5}));
@@ -279,7 +279,7 @@ TEST(Attributes, NamesThatWouldTearAHeaderBecomeOneWord) {
       EXPECT_EQ(back.attributes[k].number(0), static_cast<double>(k));
     }
   }
-  // XML holds any name.
+  // XML supports any name.
   const Folder folder;
   points.attributes.set("<&> \"so\"", std::vector<float>(points.size()));
   points.attributes.erase("line\nbreak"), points.attributes.erase("tab\t");

@@ -1,5 +1,5 @@
-// Whatever is wrong with a file: one FileError that names it, no crash, no hang, no memory beyond the file's own size,
-// and nothing left behind.
+// Damaged input: each damage causes one FileError that names the file, without crash, hang, memory beyond the file's
+// size or leftover files.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-/// Reads; true if that worked. Anything but a FileError is a failure of the test.
+/// Reads; true on success. Anything but a FileError fails the test.
 bool readable(const std::string& file) {
   try {
     const PointSet p = read_points(file);
@@ -36,7 +36,7 @@ bool readable(const std::string& file) {
   return false;
 }
 
-/// Runs `action` in a child process that it may cripple; failures there are failures here.
+/// Runs `action` in a child process; failures there are failures here.
 template <class Action>
 void in_child(Action&& action) {
   std::fflush(nullptr);
@@ -121,7 +121,7 @@ TEST_P(EveryFormat, DamagedBytes) {
   for (int trial = 0; trial < 200; ++trial) {
     std::string s = content;
     for (std::size_t k = 1 + any(3); k > 0; --k) {
-      // Half of the damage within the header, where it hurts most.
+      // Half of the damage is within the header, which is most sensitive.
       const std::size_t at = any(trial % 2 ? s.size() : std::min<std::size_t>(s.size(), 400));
       switch (any(6)) {
         case 0:
@@ -153,7 +153,7 @@ TEST_P(EveryFormat, AnotherFormatsContent) {
   for (const SampleFile& other : sample_files()) readable(folder_.put("other." + GetParam().name, other.content));
 }
 
-// A terminal would act on these, and a reader of UTF-8 stumble over the last.
+// Control characters for terminals, and invalid UTF-8.
 TEST(Excerpts, OfDamagedFilesArePrintable) {
   const std::string bad = "\x1b[31m\a\x7f\xc2\x9b\xff", shown = "\\x1b[31m\\x07\\x7f\\xc2\\x9b\\xff";
   const std::string ply = "ply\nformat ascii 1.0\n", xyz = "property float x\nproperty float y\nproperty float z\n";
@@ -165,7 +165,7 @@ TEST(Excerpts, OfDamagedFilesArePrintable) {
   expect_unreadable(folder.put("format.ply", "ply\nformat " + bad + " 1.0\n"), shown);
   expect_unreadable(folder.put("number.ply", ply + "element vertex 1\n" + xyz + "end_header\n1 2 " + bad + "\n"),
                     shown);
-  const auto other = [&](const std::string& name) {  // an element of no numbers
+  const auto other = [&](const std::string& name) {  // an element without numbers
     return ply + "element " + name + " 1\n" + xyz + "element vertex 1\n" + xyz + "end_header\n1 2 z\n1 2 3\n";
   };
   expect_unreadable(folder.put("name.ply", other(bad)), shown);
@@ -211,7 +211,7 @@ TEST(AbsurdSizes, CostNoMemory) {
 
 TEST(AbsurdSizes, GzipBombIsRefused) {
   const Folder folder;
-  // 300 MB of zeros from 300 kB; behind a header that would be content with them.
+  // 300 MB of zeros from 300 kB, behind a header that accepts them.
   std::string bomb;
   {
     const std::string block(10 << 20, '\0');
@@ -294,7 +294,7 @@ TEST(Writing, ForbiddenFolder) {
   ::chmod((folder / "closed/m.ply").c_str(), 0444);
   ::chmod((folder / "closed").c_str(), 0555);
   ::chmod(folder.path().c_str(), 0755);
-  // Root may write anywhere, so a child without privileges tries.
+  // Root may write anywhere, so an unprivileged child process tries.
   in_child([&] {
     if (::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) {
       ADD_FAILURE() << "cannot give up privileges";

@@ -1,5 +1,5 @@
-// The ways in which scanners and programs in use write their files: headers, number formats, padding, elements that
-// nobody asked for. One small known shape, written as each of them writes it, comes back whole.
+// Dialects of common scanners and programs: headers, number formats, padding, unused elements. Each file contains one
+// small known shape, which must be read completely.
 #include <random>
 
 #include "sample_files.h"
@@ -36,7 +36,7 @@ std::string vertices_with_normals(const char* format) {
   }
   return s;
 }
-/// One line a triangle; `first`: the number of the first vertex.
+/// One line per triangle; `first`: number of the first vertex.
 std::string triangles(const char* format, unsigned first = 0) {
   std::string s;
   for (const Triangle& t : shape().triangles) s += line(format, t[0] + first, t[1] + first, t[2] + first);
@@ -73,11 +73,11 @@ struct Dialect {
   const char* file;
   unsigned holds;
   std::string (*content)();
-  double digits = 1e-6;  ///< how far a coordinate may be off: half of the last digit that is written, and rounding
+  double digits = 1e-6;  ///< tolerance of a coordinate: half of its last digit, and rounding
 };
 void PrintTo(const Dialect& d, std::ostream* out) { *out << d.name; }
 
-/// Raw scans of the Stanford repository: `obj_info` lines, and a grid of which most places are empty.
+/// Raw scans of the Stanford repository: `obj_info` lines, and a mostly empty grid.
 std::string cyberware_scan() {
   const std::size_t n = shape().vertices.size();
   std::string s =
@@ -100,7 +100,7 @@ std::string zippered() {
   return s + triangles("3 %u %u %u \n");
 }
 
-/// Big-endian, types named by their width, as plyop leaves them.
+/// Big-endian, with types named by their width, as plyop writes them.
 std::string plyop() {
   std::string s = "ply\nformat binary_big_endian 1.0\ncomment created by plyop v1.1\ncomment modified by flipply\n";
   s += element("vertex", shape().vertices.size()) + xyz_of("float32") + "property float32 confidence\n";
@@ -129,14 +129,14 @@ std::string cgal_doubles() {
   return s;
 }
 
-/// A cloud whose header declares faces nevertheless.
+/// A cloud whose header declares faces.
 std::string vcg_without_faces() {
   return "ply\nformat ascii 1.0\ncomment VCGLIB generated\n" + element("vertex", shape().vertices.size()) +
          xyz_of("float") + element("face", 0) + "property list uchar int vertex_indices\nend_header\n" +
          vertices("%.6g %.6g %.6g \n");
 }
 
-/// All faces in a single list, strips divided by −1. Here every strip is one triangle.
+/// All strips in a single list, separated by −1. Here every strip is one triangle.
 std::string one_list_of_strips() {
   std::string s = "ply\nformat binary_little_endian 1.0\n" + element("vertex", shape().vertices.size());
   s += xyz_of("float") + element("tristrips", 1) + "property list int int vertex_indices\nend_header\n";
@@ -195,7 +195,7 @@ std::string pcd_cloud() {
   return pcd_head("WIDTH " + std::to_string(n) + "\nHEIGHT 1\n", "0 0 0 1 0 0 0", n) + pcd_body(shape().vertices);
 }
 
-/// A depth camera's frame: rows and columns, NaN where nothing was measured, turned about its axis of view.
+/// A depth camera's frame: rows and columns, NaN without a measurement, rotated about the viewing axis.
 std::string pcd_frame() {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<Vec3f> frame(8 * 13, {nan, nan, nan});
@@ -203,7 +203,7 @@ std::string pcd_frame() {
   return pcd_head("WIDTH 8\nHEIGHT 13\n", "0 0 0 0 1 0 0", frame.size()) + pcd_body(frame);
 }
 
-/// Without a name, exponents of three digits.
+/// No name, and exponents of three digits.
 std::string netgen_stl() {
   std::string s = facets("  facet normal 0.000000e+000 0.000000e+000 1.000000e+000\n    outer loop\n",
                          "      vertex %.6e %.6e %.6e\n", "    endloop\n  endfacet\n");
@@ -227,7 +227,7 @@ TEST_P(Dialects, AreRead) {
   const PointSet p = read_points(folder.put(d.file, d.content()));
   const TriangleMesh& truth = shape();
   if (std::string(d.file).find(".stl") != std::string::npos) {
-    // Vertices come in the order of the triangles.
+    // Vertices are in the order of the triangles.
     ASSERT_EQ(p.size(), truth.vertices.size());
     ASSERT_EQ(p.triangles.size(), truth.triangles.size());
     for (std::size_t t = 0; t < truth.triangles.size(); ++t)
@@ -268,8 +268,8 @@ INSTANTIATE_TEST_SUITE_P(Files, Dialects,
                                            Dialect{"GmshStl", "a.stl.gz", kTriangles, packed_gmsh_stl}),
                          [](const auto& of) { return std::string(of.param.name); });
 
-/// Scans in frames of their own, aligned as the Stanford repository does it, meet on the shape that they were taken of:
-/// the file's rotation q and translation t bring a scan's p to R(q)ᵀ p + t.
+/// Scans in separate frames, aligned as in the Stanford repository, must lie on the scanned shape: the file's rotation
+/// q and translation t map a scan's p to R(q)ᵀ p + t.
 TEST(Alignment, EveryScanMeetsTheShape) {
   const Folder folder;
   std::mt19937 random(5);

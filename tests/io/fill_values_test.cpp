@@ -1,4 +1,4 @@
-// Fill values: found where they stand apart, kept where a quantity passes through them.
+// Fill values: found if they are separate, kept if a quantity passes through them.
 #include "sansmesh/io/grids/fill_values.h"
 
 #include <gtest/gtest.h>
@@ -60,21 +60,21 @@ TEST(FillValues, UsualOnesThatStandApartAreMissing) {
 }
 
 TEST(FillValues, WhatAQuantityPassesThroughIsNone) {
-  // Steps of 10 from −20000 on: −9999 lies between its neighbours.
+  // Steps of 10 from −20000 on: −9999 is between its neighbours.
   std::vector<double> values = ramp(4001, -20000, 20000);
   values[1000] = -9999;
   values.push_back(-999);
   GridData data = data_with(values);
   EXPECT_TRUE(mark_fill_values(data, {}).empty());
-  // At the end of the range, but no farther from the rest than the rest is wide.
+  // At the end of the range, but closer to the rest than the range of the rest.
   data = data_with(std::vector<double>{-999, -900, -800, -700, -600, -500, 0, 100, 500, 1000});
   EXPECT_TRUE(mark_fill_values(data, {}).empty());
-  // Other numbers around it.
+  // Surrounded by other numbers.
   values = ramp(2000, 0, 1);
   for (std::size_t i = 0; i < 5; ++i) values[i] = -9999 + 100.0 * static_cast<double>(i);
   data = data_with(values);
   EXPECT_TRUE(mark_fill_values(data, {}).empty());
-  // A large number that nobody fills with.
+  // A large number that is not a fill value.
   values = ramp(30, 0, 1), values[3] = 1.23e37;
   data = data_with(values);
   EXPECT_TRUE(mark_fill_values(data, {}).empty());
@@ -86,7 +86,7 @@ TEST(FillValues, PowersOfTenAreMeasuredToo) {
     for (const double level : levels) values.insert(values.end(), 500, level);
     return data_with(values);
   };
-  // A plasma in nothing; a mantle below sticky air, and a lithosphere above; a doping.
+  // A plasma in vacuum; a mantle below sticky air, with a lithosphere above; a doping.
   for (GridData data : {layers({0, 1e20}), layers({1e18, 1e21}), layers({1e18, 1e21, 1e24}), layers({1e16, 2e16, 1e20}),
                         layers({300, 1e20, 1e24})})
     EXPECT_TRUE(mark_fill_values(data, {}).empty());
@@ -106,11 +106,11 @@ TEST(FillValues, AWideRangeDoesNotHideManyOfThem) {
     EXPECT_EQ(mark_fill_values(data, {}).size(), 1u);
     EXPECT_EQ(missing(data), 100u);
   }
-  // Nearer than that it is named.
+  // Closer than that, a note names it.
   GridData data = with_fills(-800, 1300);
   const std::vector<std::string> lines = mark_fill_values(data, {});
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_EQ(lines[0], "-999 occurs 100 times in s, and may stand for missing values: `fill_value` says so");
+  EXPECT_EQ(lines[0], "-999 occurs 100 times in s and may mark missing values: then set `fill_value`");
   EXPECT_EQ(missing(data), 0u);
 }
 

@@ -33,7 +33,7 @@ TEST(Formats, EveryEndingNamesOneFormatForEachContent) {
       if (f->reads == 0) EXPECT_EQ(format_of_name(file), f) << file;
       at = end + 1;
     }
-    // What is not read says what to do instead.
+    // Unsupported formats come with advice.
     if (f->reads == 0) EXPECT_FALSE(f->remedy.empty()) << f->name;
   }
   EXPECT_FALSE(format_of_name("a.nothing"));

@@ -1,4 +1,4 @@
-// Organised clouds: rows and columns tell the side from which a frame was seen.
+// Organised clouds: rows and columns determine the visible side of a frame.
 #include "sansmesh/io/points/frame_view.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ constexpr std::size_t kRows = 90, kColumns = 120;
 const float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 /// Depth along the ray (x to the right, y down, z = 1 forward) of a ball above a table in front of a wall, seen from
-/// above at an angle; nothing where the wall ends.
+/// above at an angle; empty beyond the wall.
 double depth_along(const Vec3& ray) {
   double nearest = 1e9;
   const auto plane = [&](const Vec3& n, double d) {
@@ -33,7 +33,7 @@ double depth_along(const Vec3& ray) {
   return ray.x > 0.6 ? 1e9 : nearest;
 }
 
-/// A frame of a camera, moved by a turn about x and a shift, as a PCD; `eye`: where the camera is then.
+/// A frame of a camera, moved by a rotation about x and a translation, as a PCD; `eye`: the moved camera.
 struct Frame {
   std::vector<Vec3f> points;
   Vec3 eye;
@@ -73,8 +73,8 @@ std::string viewpoint(const Vec3& eye) {
   return line;
 }
 
-/// Share of the normals, estimated and oriented, that look at the eye. At jumps of depth planes through both sides may
-/// be edgewise.
+/// Share of the estimated, oriented normals that face the eye. At depth jumps, planes through both sides may be
+/// edge-on.
 double share_facing(PointSet points, const Vec3& eye, OrientBy expected) {
   Progress progress;
   estimate_normals(points, {}, progress);
@@ -89,10 +89,10 @@ double share_facing(PointSet points, const Vec3& eye, OrientBy expected) {
 
 TEST(Frames, LookAtTheCamera) {
   const Folder folder;
-  // As the camera gives them, with the viewpoint that the format assumes.
+  // As recorded by the camera, with the format's default viewpoint.
   const Frame own = make_frame(0, {});
   EXPECT_EQ(share_facing(read_points(folder.put("a.pcd", pcd_of(own, ""))), own.eye, OrientBy::scanner), 1);
-  // Moved to a world where z is up, with the viewpoint there.
+  // Moved to a world with z up, together with the viewpoint.
   const Frame moved = make_frame(-2.0, {10, -4, 3});
   EXPECT_EQ(
       share_facing(read_points(folder.put("b.pcd", pcd_of(moved, viewpoint(moved.eye)))), moved.eye, OrientBy::scanner),
@@ -102,7 +102,7 @@ TEST(Frames, LookAtTheCamera) {
 TEST(Frames, WithoutAViewpointRowsAndColumnsTell) {
   const Folder folder;
   const Frame moved = make_frame(-2.0, {0.4, -6, 1.5});
-  // A viewpoint that the program that moved the points forgot, behind the wall and above the table; and none at all.
+  // A viewpoint that was not moved together with the points, behind the wall and above the table; and no viewpoint.
   for (const char* wrong : {"VIEWPOINT 0 0 0 1 0 0 0\n", "VIEWPOINT nan 0 0 1 0 0 0\n"}) {
     ReadReport report;
     const PointSet points = read_points(folder.put("a.pcd", pcd_of(moved, wrong)), &report);
@@ -116,17 +116,17 @@ TEST(Frames, WithoutAViewpointRowsAndColumnsTell) {
 TEST(Frames, AreNotKnownToEveryCloud) {
   const Folder folder;
   const Frame own = make_frame(0, {});
-  // Without rows, the viewpoint of every header says nothing; another one does.
+  // Without rows, the default viewpoint carries no information; another one does.
   const PointSet list = read_points(folder.put("a.pcd", pcd_of(own, viewpoint({}), false)));
   EXPECT_TRUE(list.scanners.empty());
   EXPECT_TRUE(list.grid_normals.empty());
   EXPECT_EQ(read_points(folder.put("b.pcd", pcd_of(own, viewpoint({1, 2, 3}), false))).scanners.size(), 1u);
-  // Points in no order have no grid.
+  // Points without order have no grid.
   Frame shuffled = own;
   std::mt19937 random(1);
   std::shuffle(shuffled.points.begin(), shuffled.points.end(), random);
   EXPECT_FALSE(io::measure_frame(shuffled.points, kColumns, std::nullopt));
-  // Nor does the viewpoint of every header say anything of such a file, or one too far away to tell a direction.
+  // The default viewpoint carries no information for such a file, nor does one too far away for a direction.
   EXPECT_TRUE(read_points(folder.put("c.pcd", pcd_of(shuffled, viewpoint({})))).scanners.empty());
   EXPECT_TRUE(read_points(folder.put("d.pcd", pcd_of(own, viewpoint({1e39, 0, 0}), false))).scanners.empty());
   EXPECT_FALSE(io::measure_frame({}, 10, std::nullopt));
@@ -158,7 +158,7 @@ TEST(Frames, EachFileIsAScanOfItsOwn) {
   ASSERT_EQ(all.grid_normals.size(), all.size());
   EXPECT_EQ(all.scan_of_point.front(), 0);
   EXPECT_EQ(all.scan_of_point[all.size() - 3], 1);
-  // Of the points of a list nothing of the kind is known.
+  // Nothing of this is known for an unordered list of points.
   EXPECT_GE(all.scan_of_point.back(), all.scanners.size());
   EXPECT_EQ(all.grid_normals.back(), Vec3f{});
   EXPECT_LT(norm(Vec3(all.scanners[1]) + all.origin - other.eye), 1e-5);

@@ -1,4 +1,4 @@
-// Frames of a motion in files: tetrahedra, collections of steps, animated PNG.
+// Files of moving objects: tetrahedra, collections of steps, animated PNG.
 #include <zlib.h>
 
 #include "io_test_tools.h"
@@ -24,11 +24,11 @@ TEST(TetFrames, AreReadBackByVtk) {
   if (std::string why; !has_vtk_readers(&why)) GTEST_SKIP() << why;
   const Folder folder;
   TetMesh mesh = two_tets();
-  // More than one block of what is compressed.
+  // More than one compressed block.
   for (int k = 0; k < 20000; ++k) mesh.tets.push_back(mesh.tets[static_cast<std::size_t>(k % 2)]);
   mesh.tet_attributes.clear();
   write_tets(folder / "a_0000.vtu", mesh);
-  for (Vec3& p : mesh.vertices) p += Vec3{4e6, 0, 0};  // single precision would not do
+  for (Vec3& p : mesh.vertices) p += Vec3{4e6, 0, 0};  // requires double precision
   write_tets(folder / "a_0001.vtu", mesh);
   const TimedFile files[] = {{0, "a_0000.vtu"}, {0.25, "a_0001.vtu"}};
   write_collection(folder / "a.pvd", files);
@@ -60,7 +60,7 @@ TEST(TetFrames, WhatCannotBeWritten) {
   EXPECT_EQ(folder.entries(), 0u);
 }
 
-/// Chunks of a PNG whose checks are right.
+/// Chunks of a PNG with correct checksums.
 std::vector<std::pair<std::string, std::string>> chunks_of(const std::string& file) {
   const std::string s = slurp(file);
   EXPECT_EQ(s.substr(0, 8), "\x89PNG\r\n\x1a\n");
@@ -86,7 +86,7 @@ std::uint32_t word(const std::string& s, std::size_t k) {
   return v;
 }
 
-/// Undoes PNG's filters as its specification has them.
+/// Inverts PNG's filters according to its specification.
 std::vector<std::uint8_t> unfiltered(const std::string& packed, std::size_t width, std::size_t height,
                                      std::size_t pixel) {
   std::vector<std::uint8_t> rows((width * pixel + 1) * height);
@@ -117,7 +117,7 @@ Image picture(int frame, bool clear) {
     for (int x = 0; x < 23; ++x)
       image.at(x, y) = {from_byte(static_cast<std::uint8_t>(10 * x)), from_byte(static_cast<std::uint8_t>(x * y % 256)),
                         0.25f, clear ? from_byte(static_cast<std::uint8_t>(15 * y)) : 1.f};
-  // What moves: a square.
+  // A moving square.
   for (int y = 4; y < 8; ++y)
     for (int x = 3 + frame; x < 8 + frame; ++x) image.at(x, y)[2] = 1;
   return image;
@@ -137,7 +137,7 @@ TEST(AnimatedPng, ShowsWhatWasAdded) {
     EXPECT_EQ(word(chunks[1].second, 0), 4u);
     const std::size_t pixel = clear ? 4 : 3;
     EXPECT_EQ(chunks[0].second[9], clear ? 6 : 2);
-    // Played as the specification says, each frame is the picture that was added.
+    // Played according to the specification, each frame equals the added picture.
     std::vector<std::uint8_t> screen(23 * 17 * pixel);
     std::uint32_t sequence = 0;
     std::size_t at = 2;

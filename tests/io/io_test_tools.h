@@ -1,4 +1,4 @@
-// Shared by the tests of the readers and writers: a folder that cleans up after itself, and made clouds and meshes.
+// Common tools of reader and writer tests: a temporary folder, synthetic clouds and meshes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 
 namespace sansmesh::test {
 
-/// A fresh folder, removed with everything in it at the end of the test.
+/// A new folder, removed with its content at the end of the test.
 class Folder {
  public:
   Folder() {

@@ -1,4 +1,4 @@
-// LAS beyond coordinates and colours: what each point format knows of a point.
+// Attributes of points in LAS files, for each point format.
 #include "io_test_tools.h"
 #include "support/las_file.h"
 #include "support/places.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-/// Points of which no two numbers agree, with values that the format can hold.
+/// Points with all values different and within the format's ranges.
 std::vector<LasPoint> varied_points(const LasFile& of, std::size_t n) {
   std::mt19937 random(7);
   const auto below = [&](unsigned limit) { return static_cast<unsigned>(random() % limit); };
@@ -59,7 +59,7 @@ TEST(LasAttributes, OfEveryVersionAndPointFormat) {
       const double step = file.wide() ? 0.006 : 1;
       expect_attribute<float>(p, "scan_angle", points,
                               [&](const LasPoint& q) { return static_cast<float>(q.scan_angle * step); });
-      // LAS 1.0 has one byte, the "file marker", where the others have user data.
+      // LAS 1.0 has one byte, the "file marker", at the position of user data.
       expect_attribute<u16>(p, "point_source_id", points,
                             [&](const LasPoint& q) { return minor == 0 ? q.user_data : q.source; });
       std::size_t others = 0;
@@ -95,7 +95,7 @@ std::string variable_record(const std::string& user, std::uint16_t number, const
   return s + content;
 }
 
-/// What LAS 1.4 says of numbers after those of the point format.
+/// LAS 1.4 descriptions of numbers after those of the point format.
 std::string description(unsigned type, const std::string& name, unsigned options = 0, double scale = 0,
                         double offset = 0) {
   std::string s(192, '\0');
@@ -126,7 +126,7 @@ TEST(LasAttributes, OfExtraBytes) {
     file.variable_count = 3;
     ReadReport report;
     const PointSet p = read_points(folder.put("a.las", file.bytes()), &report);
-    EXPECT_EQ(report.warnings, std::vector<std::string>{"'intensity' is there twice: the second one was left out"});
+    EXPECT_EQ(report.warnings, std::vector<std::string>{"'intensity' occurs twice: the second one was left out"});
     const auto& amplitude = *p.attributes.find<double>("Amplitude");
     const auto& reflectance = *p.attributes.find<float>("Reflectance");
     const auto& tilt = *p.attributes.find<double>("tilt");
@@ -148,7 +148,7 @@ TEST(LasAttributes, OfExtraBytes) {
     EXPECT_EQ(p.attributes.size(), bare.attributes.size() + 3);
     EXPECT_EQ(*p.attributes.find("intensity"), *bare.attributes.find("intensity"));
 
-    // Damaged descriptions cost nothing but themselves.
+    // Damaged descriptions affect only themselves.
     const std::size_t extras = file.variable.size() - described.size();
     for (std::size_t at = 0; at < file.variable.size(); ++at) {
       LasFile damaged = file;
@@ -200,7 +200,7 @@ TEST(Las, WithheldPointsAreLeftOutAndCounted) {
   }
 }
 
-/// LAS 1.4 counts twice: in 32 bits as before (0 where the format is new or the number too large), and in 64.
+/// LAS 1.4 has two counts: in 32 bits as before (0 if the format is new or the number too large), and in 64.
 TEST(Las, CountsOfVersion14) {
   const Folder folder;
   LasFile file{.format = 1};
@@ -230,7 +230,7 @@ TEST(Las, CutOffAnywhereIsAnError) {
   }
 }
 
-/// Whatever LAS knows of points, formats with attributes hand on, number by number.
+/// Formats with attributes preserve all attributes of LAS, number by number.
 TEST(LasAttributes, SurviveOtherFormats) {
   const Folder folder;
   LasFile file{.format = 8};
@@ -249,7 +249,7 @@ TEST(LasAttributes, SurviveOtherFormats) {
   }
 }
 
-/// Files by other programs: what their headers and records say of themselves.
+/// Files by other programs: results match their headers and records.
 TEST(LasAttributes, OfFilesByOthers) {
   for (const auto& [name, format] : {std::pair{"simple.las", 3u}, std::pair{"test1_4.las", 6u}}) {
     const std::string file = source_file(std::string("tests/data/") + name), bytes = slurp(file);
@@ -271,7 +271,7 @@ TEST(LasAttributes, OfFilesByOthers) {
       const unsigned returns = byte(i, 14);
       ASSERT_EQ(number("return_number", i), returns & (format < 6 ? 7 : 15));
       ASSERT_EQ(number("number_of_returns", i), format < 6 ? returns >> 3 & 7 : returns >> 4);
-      // No return comes after the last one.
+      // No return number exceeds the number of returns.
       ASSERT_LE(number("return_number", i), number("number_of_returns", i));
       const std::size_t at = format < 6 ? 18 : 20;
       ASSERT_EQ(number("point_source_id", i), byte(i, at) | byte(i, at + 1) << 8);

@@ -1,4 +1,4 @@
-// LAS that was written is read back: by its version and format, and with what has no place in a record.
+// Round trips of LAS: version, format, and attributes without a field in a record.
 #include <cmath>
 #include <limits>
 
@@ -20,7 +20,7 @@ PointSet written_and_read(const Folder& folder, const PointSet& points, std::str
   return back;
 }
 
-/// A survey in which everything that LAS knows differs from 0 somewhere.
+/// A survey in which every LAS attribute is nonzero somewhere.
 PointSet survey(unsigned minor, unsigned format) {
   const Folder folder;
   LasFile las;
@@ -67,8 +67,8 @@ TEST(LasWriter, OtherNumbersBecomeExtraBytes) {
   const Folder folder;
   PointSet points = survey(2, 3);
   const std::size_t n = points.size();
-  points.attributes.set("intensity", std::vector<float>(n, 0.5f));            // no whole numbers
-  points.attributes.set("classification", std::vector<std::int32_t>(n, -7));  // not of 0..255
+  points.attributes.set("intensity", std::vector<float>(n, 0.5f));            // not integers
+  points.attributes.set("classification", std::vector<std::int32_t>(n, -7));  // not in 0..255
   points.attributes.set("scan_angle", std::vector<float>(n, 0.01f));          // between the steps
   points.attributes.set("return_number", std::vector<std::uint8_t>(n, 200));
   points.attributes.set("big", std::vector<std::uint64_t>(n, std::numeric_limits<std::uint64_t>::max()));
@@ -119,7 +119,7 @@ TEST(LasWriter, HeaderCountsReturnsAndBoundsPoints) {
   EXPECT_EQ(number(6, std::uint16_t{}), 17);  // not times of the week; no GeoTIFF keys
 }
 
-/// What a checker of files asks: no record lies outside of the header's box, which is that of the records.
+/// As file checkers require, no record is outside of the header's box, which is that of the records.
 TEST(LasWriter, TheBoxIsOfTheRecords) {
   const Folder folder;
   PointSet points;

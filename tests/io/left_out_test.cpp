@@ -1,4 +1,4 @@
-// What is lost between formats is told: by writers what they have no room for, by readers what has no place.
+// Reports of lost data: writers report unsupported data, readers report skipped data.
 #include <algorithm>
 
 #include "io_test_tools.h"

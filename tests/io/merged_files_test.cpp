@@ -1,4 +1,4 @@
-// Several files as one cloud, and coordinates of surveys: millimetres over a thousand kilometres.
+// Merged files, and survey coordinates: millimetres over a thousand kilometres.
 #include <cmath>
 #include <iomanip>
 #include <limits>
@@ -14,7 +14,7 @@ using namespace test;
 
 const Vec3 kFar{1234567.891, -5432109.877, 321.005};
 
-/// Positions in whole millimetres, within a kilometre.
+/// Positions in integer millimetres, within a kilometre.
 std::vector<std::array<std::int32_t, 3>> millimetres(std::size_t n) {
   std::mt19937 random(3);
   std::vector<std::array<std::int32_t, 3>> places(n);
@@ -31,7 +31,7 @@ std::string digits(const Vec3& p) {
   return text.str();
 }
 
-/// A LAS file, a table and a PLY of the same places.
+/// A LAS file, a table and a PLY of the same points.
 std::vector<std::string> put_far(const Folder& folder, const std::vector<std::array<std::int32_t, 3>>& places) {
   LasFile las{.format = 1, .offset = kFar};
   std::string table;
@@ -69,7 +69,7 @@ TEST(SurveyCoordinates, KeepMillimetresInAndOut) {
   }
 }
 
-/// Lines of zeros are common among survey coordinates. They must not cost the others their digits.
+/// Lines of zeros are common among survey coordinates. They must not reduce the precision of the others.
 TEST(SurveyCoordinates, SurviveStraysAtTheOriginOfTheWorld) {
   const Folder folder;
   for (const std::size_t n : {30, 3000, 200000}) {
@@ -86,8 +86,8 @@ TEST(SurveyCoordinates, SurviveStraysAtTheOriginOfTheWorld) {
   }
 }
 
-/// Two tiles share a strip, each with an offset of its own, as survey software writes them: what is in both is at one
-/// place, bit by bit, so that duplicates are found; and nothing is farther off than a single file would be.
+/// Two tiles share a strip, each with a separate offset, as survey software writes them. Common points coincide bit by
+/// bit, so that duplicates are found, and rounding errors are no larger than for a single file.
 TEST(MergedFiles, TilesHaveOneOriginAndMeetExactly) {
   const Folder folder;
   const auto places = millimetres(4000);
@@ -208,7 +208,7 @@ TEST(MergedFiles, AreScansWithNames) {
   const std::string list = folder.put("list.xyz", "0 0 1\n1 0 1\n"), other = folder.put("other.xyz", "5 0 1\n1 5 1\n");
   const PointSet alignment = read_points(folder / "a.conf");
   ASSERT_EQ(alignment.scan_names.size(), 2u);
-  // What has positions of scanners comes first; the lists after it, seen from nobody knows where.
+  // Scans with scanner positions come first, then lists with unknown viewpoints.
   const PointSet all = read_merged({list, other});
   EXPECT_EQ(all.scan_of_point, (std::vector<std::uint16_t>{0, 0, 1, 1}));
   EXPECT_EQ(all.scan_names, (std::vector<std::string>{list, other}));

@@ -37,7 +37,7 @@ TEST(Obj, PolygonsNormalsAndColours) {
       "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0 0.2 0.4 0.6\nvn 0 0 2\nvn 1 0 0\nf 1//1 2//1 3//1 4//1\n"
       "f 1//2 4//1 3//1\n"));
   EXPECT_EQ(p.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 2}}));
-  // The first vertex lies on a crease: its faces disagree.
+  // The first vertex is on a crease: its faces disagree.
   EXPECT_EQ(p.normals, (std::vector<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}}));
   EXPECT_EQ(p.colors, (Colors{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {51, 102, 153}}));
 }
@@ -212,7 +212,7 @@ TEST(Vtp, BadFiles) {
   refuse(good.substr(0, good.size() / 2), "truncated");
   refuse(good.substr(0, good.size() - 12), "truncated");
   refuse(with("offset=\"0\"", "offset=\"99999999\"", make_vtp({.format = "appended"})), "truncated");
-  // Absurd sizes in the headers of arrays.
+  // Impossible sizes in the headers of arrays.
   const auto with_first_word = [&](const Vtp& o, std::uint32_t word, std::size_t at) {
     std::string s = make_vtp(o);
     return s.replace(s.find("\n_") + 2 + at, 4, raw(word));

@@ -1,4 +1,4 @@
-// Fields of Nek5000, written here: in the plane and in space, in both byte orders and sizes of numbers.
+// Nek5000 fields, planar and spatial, in both byte orders and number sizes.
 #include <fmt/format.h>
 
 #include "sample_files.h"
@@ -12,23 +12,23 @@ namespace {
 using namespace test;
 
 struct NekLayout {
-  std::array<int, 3> dims{4, 3, 1};  ///< points of an element
+  std::array<int, 3> dims{4, 3, 1};  ///< points per element
   int real = 4;
   bool big = false;
   std::string fields = "XUPT";
   double time = 0.25;
-  std::vector<int> elements{1, 2};  ///< their numbers, as they stand in the file
+  std::vector<int> elements{1, 2};  ///< their numbers in the file
   int all = 2, part = 0, parts = 1;
 
   int axes() const { return dims[2] > 1 ? 3 : 2; }
 };
 
-/// Point (i, j, k) of an element: elements lie side by side along x and have a common border.
+/// Point (i, j, k) of an element: elements are adjacent along x and have a common border.
 Vec3 nek_place(const NekLayout& l, int element, int i, int j, int k) {
   const double u = i / double(l.dims[0] - 1);
   return {element + u * u, 0.5 * j + 0.125 * u, l.dims[2] > 1 ? 0.25 * k : 0.0};
 }
-/// Component c of a field there.
+/// Component c of a field at that point.
 double nek_number(char field, const Vec3& x, int c) { return field + c + 2 * x.x - x.y + 4 * x.z; }
 
 std::string nek_header(const NekLayout& l) {
@@ -80,7 +80,7 @@ void expect_nek_numbers(const GridData& data, const NekLayout& l) {
     EXPECT_NEAR(number(b.point_arrays, "Pressure", i), nek_number('P', x, 0), 1e-4);
     EXPECT_NEAR(number(b.point_arrays, "Temperature", i), nek_number('T', x, 0), 1e-4);
   }
-  // The cells of an element fill it: their corners follow each other along its axes.
+  // The cells of an element fill it: their corners are consecutive along its axes.
   double size = 0;
   for (std::size_t c = 0; c < b.flat_cells.size(); ++c) {
     const auto at = [&](std::size_t k) { return b.points[b.flat_cells[c][k]]; };
@@ -120,7 +120,7 @@ TEST(Nek5000, ScalarsAndBoundsBehindThemAreRead) {
     EXPECT_NEAR(number(data.blocks[0].point_arrays, "S01", i), nek_number('a', data.blocks[0].points[i], 0), 1e-4);
     EXPECT_NEAR(number(data.blocks[0].point_arrays, "S02", i), nek_number('b', data.blocks[0].points[i], 0), 1e-4);
   }
-  // The least and the most of each of the 8 numbers of a point, of each element.
+  // The least and greatest value of each of the 8 numbers per point, for each element.
   EXPECT_TRUE(read_volume(folder.put("a0.f00007", bytes + std::string(2 * 8 * 8, '\0'))).notes.empty());
   EXPECT_EQ(read_volume(folder.put("a0.f00007", bytes + "?")).notes.size(), 1u);
 }
@@ -147,7 +147,7 @@ TEST(Nek5000, SeriesTakeCoordinatesFromBefore) {
   EXPECT_TRUE(is_volume_name("flow.nek5000"));
   EXPECT_TRUE(is_volume_name("flow0.f00001"));
   EXPECT_FALSE(is_volume_name("flow.fifth"));
-  // Of a run that was stopped there are fewer files than its series says.
+  // An interrupted run has fewer files than its series announces.
   const GridData stopped =
       read_volume(folder.put("more.nek5000", "filetemplate: flow%01d.f%05d\nfirsttimestep: 3\nnumtimesteps: 5\n"));
   EXPECT_EQ(stopped.times.size(), 2u);
@@ -188,15 +188,15 @@ TEST(Nek5000, PartsOfAStepHaveTheSameFieldsAndAllElements) {
   };
   put("XPS02", "XPS02", {2}, 2);
   EXPECT_EQ(read_volume(series).blocks[0].points.size(), 24u);
-  // As many numbers a point, of other fields.
+  // As many numbers per point, of other fields.
   put("XPS02", "XPTS01", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XT", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XU", "XPT", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XP", {2}, 3);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XP", {1}, 2);
   refused("flow0.f00001", "holds 1 of 2 elements");
   NekLayout one;
@@ -210,7 +210,7 @@ TEST(Nek5000, StepsThatAreNotAskedForMayBeDamaged) {
   folder.put("flow0.f00001", nek_file(l));
   folder.put("flow0.f00002", "no step");
   l.time = 0.75;
-  // Cut behind its header: what is not asked for is not read.
+  // Truncated after its header: unused data are not read.
   folder.put("flow0.f00003", nek_file(l).substr(0, 136));
   folder.put("flow0.f00004", gzip(nek_file(l)));
   const std::string series =
@@ -252,18 +252,18 @@ TEST(Nek5000, WhatIsWrongIsSaidInOneLine) {
   l.fields = "XQ";
   expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "'Q'");
   l.fields = "XS";
-  expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "how many scalars");
+  expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "no number of scalars");
   l.fields = "UPT";
   expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "no coordinates");
   NekLayout many;
   std::string lies = nek_header(many);
   lies.replace(16, 10, "2000000000");
   expect_no_volume(folder.put("flow0.f00001", lies), "truncated");
-  // Four times that is no number of 64 bits.
+  // Four times that exceeds 64 bits.
   const std::string too_many = fmt::format(" {}", std::uint64_t{1} << 62), behind = lies.substr(26);
   std::string overflowing = lies.substr(0, 15) + too_many + behind;
   overflowing.erase(127, overflowing.size() - lies.size());
-  expect_no_volume(folder.put("flow0.f00001", overflowing), "more numbers than there can be");
+  expect_no_volume(folder.put("flow0.f00001", overflowing), "an impossible number of values");
 
   const auto series = [&](const std::string& text) { return folder.put("a.nek5000", text); };
   expect_no_volume(series("nothing\n"), "filetemplate");

@@ -1,4 +1,4 @@
-// Outputs: together or not at all, into pipes, onto full disks, and what killed programs leave.
+// Output batches: atomicity, pipes, full disks, leftovers of killed programs.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -20,7 +20,7 @@ namespace {
 
 using namespace test;
 
-/// Names of what lies hidden in the folder.
+/// Names of the hidden files in the folder.
 std::vector<std::string> hidden_in(const Folder& folder) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
@@ -28,7 +28,7 @@ std::vector<std::string> hidden_in(const Folder& folder) {
   return names;
 }
 
-/// Runs `work` in a process that ends as it likes.
+/// Runs `work` in a child process, which may end in any way.
 template <class Work>
 pid_t start_child(Work&& work) {
   const pid_t child = ::fork();
@@ -91,13 +91,13 @@ TEST(Batches, KeepWhatIsSaidTwiceInTheSpaceOfTheFirst) {
 TEST(Batches, AFileThatIsTooLargeTakesTheOthersWithIt) {
   const Folder folder;
   folder.put("first.txt", "old");
-  // SIGXFSZ ends a program that does not know it: the library holds it back.
+  // SIGXFSZ ends programs that do not handle it: the library blocks it.
   const int status = end_of(start_child([&] {
     const rlimit limit{1000, 1000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     OutputBatch batch;
     write_text(folder / "first.txt", "new");
-    expect_file_error(folder / "large.txt", "larger than files may be here",
+    expect_file_error(folder / "large.txt", "exceeds the size limit",
                       [&] { write_text(folder / "large.txt", std::string(2000, 'x')); });
   }));
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
@@ -228,7 +228,7 @@ TEST(Places, ANameThatIsTooLongIsToldBeforeTheWork) {
   expect_file_error(file, "its name is too long", [&] { check_writable(file, "text"); });
 }
 
-/// Cancels what waits for ever, after two seconds.
+/// Cancels work that would wait for ever after two seconds.
 class Patience {
   Progress progress_;
   CancelScope scope_{progress_};
@@ -242,7 +242,7 @@ class Pipes : public ::testing::Test {
  protected:
   Pipes() { ::mkfifo(pipe().c_str(), 0600); }
   std::string pipe() const { return folder_ / "pipe"; }
-  /// Seconds until `work` is cancelled, which it is told to be after a twentieth.
+  /// Seconds until `work` is cancelled; cancellation is requested after a twentieth of a second.
   template <class Work>
   double seconds_until_cancelled(Work&& work) {
     Progress progress;
@@ -284,7 +284,7 @@ TEST_F(Pipes, OfSlowWritersAreReadToTheEnd) {
 }
 
 TEST_F(Pipes, WhoseWritersAreGoneAreReadToTheEnd) {
-  // A second opening, as that of /dev/stdin, of a pipe that is full and to which nobody will write.
+  // A second opening, like that of /dev/stdin, of a full pipe without a writer.
   const int first = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   std::ofstream(pipe()) << "0 0 0\n";
   std::string text;
@@ -297,10 +297,10 @@ TEST_F(Pipes, WhoseWritersAreGoneAreReadToTheEnd) {
 }
 
 TEST_F(Pipes, WaitsAreCancelled) {
-  // Nobody writes; nobody reads.
+  // No writer; no reader.
   EXPECT_LT(seconds_until_cancelled([&] { read_points(pipe()); }), 1.0);
   EXPECT_LT(seconds_until_cancelled([&] { write_text(pipe(), "x"); }), 1.0);
-  // Somebody has the other end, but does nothing.
+  // The other end is open, but inactive.
   const int end = ::open(pipe().c_str(), O_RDWR | O_CLOEXEC);
   EXPECT_LT(seconds_until_cancelled([&] { read_points(pipe()); }), 1.0);
   EXPECT_LT(seconds_until_cancelled([&] { write_text(pipe(), std::string(1 << 20, 'x')); }), 1.0);
@@ -315,17 +315,17 @@ TEST_F(Pipes, ThatNobodyReadsAnyMoreAreAnError) {
     ::close(fd);
   });
   // SIGPIPE would end this program.
-  expect_file_error(pipe(), "nobody reads it any more", [&] { write_text(pipe(), std::string(1 << 20, 'x')); });
+  expect_file_error(pipe(), "its reader is gone", [&] { write_text(pipe(), std::string(1 << 20, 'x')); });
 }
 
-/// As standard output is one by the name /dev/stdout.
+/// Like standard output by the name /dev/stdout.
 TEST_F(Pipes, ThatAreDescriptorsOfOursAreWrittenWhoeverReads) {
   const int reader = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   const int writer = ::open(pipe().c_str(), O_WRONLY | O_CLOEXEC);
   const std::string name = "/proc/self/fd/" + std::to_string(writer);
   ::close(reader);
   const Patience patience;
-  expect_file_error(name, "nobody reads it any more", [&] { write_text(name, "x"); });
+  expect_file_error(name, "its reader is gone", [&] { write_text(name, "x"); });
   ::close(writer);
 }
 
@@ -333,14 +333,14 @@ TEST_F(Pipes, ThatCannotBeOpenedAgainAreWrittenAsTheyAre) {
   const int reader = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   const int writer = ::open(pipe().c_str(), O_WRONLY | O_CLOEXEC);
   ::fcntl(reader, F_SETFL, 0);
-  ASSERT_EQ(::chmod(pipe().c_str(), 0), 0);  // as one of another user
+  ASSERT_EQ(::chmod(pipe().c_str(), 0), 0);  // as of another user
   const std::string name = "/proc/self/fd/" + std::to_string(writer), text(1'000'000, 'x');
   const pid_t child = start_child([&] {
-    // Permissions do not hold for root.
+    // Permissions do not apply to root.
     if (::geteuid() == 0 && (::setuid(65534) != 0 || ::prctl(PR_SET_DUMPABLE, 1) != 0)) ::_exit(3);
     EXPECT_LT(::open(name.c_str(), O_WRONLY | O_NONBLOCK), 0);
     EXPECT_NO_THROW(write_text(name, text));
-    // Waits for a reader that does nothing are heard all the same.
+    // Cancellation interrupts a wait for an inactive reader.
     EXPECT_LT(seconds_until_cancelled([&] { write_text(name, text); }), 1.0);
   });
   std::string got;

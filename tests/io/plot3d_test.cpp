@@ -1,4 +1,4 @@
-// PLOT3D in all of its layouts, written here.
+// PLOT3D in all of its layouts.
 #include "volume_test_tools.h"
 
 namespace sansmesh::inline v1 {
@@ -10,7 +10,7 @@ struct Layout {
   bool marks, big, multi, iblank, flat, wide;
 };
 
-/// Numbers of a file: whole ones and reals, in records.
+/// Numbers of a file: integers and reals, in records.
 class P3dWriter {
  public:
   explicit P3dWriter(const Layout& layout) : l_(layout) {}
@@ -130,7 +130,7 @@ TEST_P(EveryLayout, TruncatedAndGarbledFilesAreErrors) {
   const Folder folder;
   const std::string grid = grid_file(layout(), dims()), solution = solution_file(layout(), dims());
   folder.put("flowq.bin", solution);
-  // Cut files may be whole ones of another layout, but never those that belong to the others.
+  // Truncated files may match another layout, but never return numbers of the wrong array.
   for (std::size_t n = 1; n < grid.size(); n += 1 + n / 5)
     EXPECT_FALSE(volume_readable(folder.put("flowxyz.bin", grid.substr(0, grid.size() - n))));
   folder.put("flowxyz.bin", grid);
@@ -164,7 +164,7 @@ TEST(Plot3d, Text) {
     EXPECT_NEAR(number(b.point_arrays, "Pressure", i), 0.4 * (4 - 2), 1e-12);
   }
   EXPECT_TRUE(b.hidden_points.empty());
-  // Points are still points.
+  // The points are still read.
   EXPECT_EQ(read_volume(folder.put("cloud.xyz", "0 0 0\n1 0 0\n0 1 0\n")).blocks[0].kind, GridKind::scattered);
 }
 
@@ -184,7 +184,7 @@ TEST(Plot3d, FunctionsAndSolutionsByName) {
   }
   const std::string named = folder.put("elsewhere.dat", solution_file(kPlain, sizes));
   EXPECT_NE(read_volume(grid, {.solution = named}).blocks[0].point_arrays.find("Density"), nullptr);
-  // More behind the numbers is not looked at, and said.
+  // Bytes after the numbers are ignored with a warning.
   folder.put("elsewhere.dat", solution_file(kPlain, sizes) + std::string(100, '\0'));
   const GridData longer = read_volume(grid, {.solution = named});
   EXPECT_NE(longer.blocks[0].point_arrays.find("Density"), nullptr);
@@ -199,7 +199,7 @@ TEST(Plot3d, WhatDoesNotBelongTogether) {
   expect_file_error(q, "4 x 3 x 6 points, the grid 4 x 3 x 5", [&] { read_volume(grid); });
   expect_no_volume(q, "is the solution of a PLOT3D grid");
   expect_file_error(folder / "gone", "no such file", [&] { read_volume(grid, {.solution = folder / "gone"}); });
-  // One point with iblank, or one grid of one point: nobody can tell.
+  // One point with iblank, or one grid of one point: ambiguous.
   std::string both;
   for (const int v : {1, 1, 1, 1, 0, 0, 1}) both += raw(v);
   expect_no_volume(folder.put("both.bin", both), "ambiguous");
@@ -282,7 +282,7 @@ TEST(VolumeFiles, SeriesOfFilesHaveTimes) {
   EXPECT_EQ(number(second.blocks[0].point_arrays, "value", 0), 2);
   EXPECT_THROW(read_volume(file, {.time_step = 2}), ArgumentError);
   for (std::size_t n = 1; n < text.size(); n += 7)
-    expect_no_volume(folder.put("all.mha.series", text.substr(0, n)), "is no series of files");
+    expect_no_volume(folder.put("all.mha.series", text.substr(0, n)), "is not a series of files");
   const auto refused = [&](const std::string& content, const std::string& why) {
     expect_no_volume(folder.put("bad.series", content), why);
   };
@@ -291,7 +291,7 @@ TEST(VolumeFiles, SeriesOfFilesHaveTimes) {
   refused("{\"files\": []}", "names no files");
   refused("{\"files\": [{\"time\": 1}]}", "without a file");
   refused("{\"files\": [{\"name\": \"a.mha\", \"time\": \"soon\"}]}", "time that is not a number");
-  // The file that is named is the one that is wrong.
+  // The error names the wrong file.
   folder.put("inner.series", text);
   for (const auto& [name, why] :
        {std::pair{"no.mha", "no.mha: no such file"}, {"inner.series", "inside another one"}}) {

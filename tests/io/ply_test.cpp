@@ -28,7 +28,7 @@ TEST_P(PlyEncodings, TetrahedronAndFormatName) {
 }
 
 TEST_P(PlyEncodings, PropertiesInAnyOrderAndOfAnyType) {
-  // Types of one triple differ, names are the less common ones, unknown properties stand between.
+  // Mixed types in one triple, less common names, unknown properties in between.
   PlyElement v("vertex", {"uchar blue", "double z", "short intensity", "float nz", "float32 x", "uint8 red", "int16 y",
                           "float nx", "float ny", "uchar green", "float quality"});
   v.row({3, 2.5, -7, 1, 0.25, 1, -4, 0, 0, 2, 0.75}).row({255, -1, 9, 0, 8, 0, 16, 0, -1, 128, 2});
@@ -147,14 +147,14 @@ TEST_P(PlyEncodings, IndicesOutOfRangeAreRefused) {
     v.row({0, 0, 0}).row({1, 0, 0}).row({0, 1, 0});
     f.add({{0, 1, 2}}).add({{0, bad, 2}});
     expect_unreadable(put({v, f}), "a face refers to");
-    // Another way through the reader: polygons of different lengths.
+    // Another code path of the reader: polygons of different lengths.
     f.add({{0, 1, 2, 1}});
     expect_unreadable(put({v, f}), "a face refers to");
   }
 }
 
 TEST_P(PlyEncodings, ManyRecordsReadInPiecesAgreeWithOneByOne) {
-  // More records than one piece of the parallel reading, and a polygon of another length at the very end.
+  // More records than one chunk of the parallel reader, and a polygon of another length at the end.
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(-1, 1);
   PlyElement v("vertex", {"float x", "float y", "float z"}), f("face", {"list uchar int vertex_indices"});

@@ -46,7 +46,7 @@ TEST_F(Table, ColumnsByName) {
   EXPECT_EQ(report_.warnings, (std::vector<std::string>{"columns without numbers were left out: label"}));
   p = read("a.txt", "//X Y Z R G B Nx Ny Nz\n1 2 3 1 0 1 0 0 1\n4 5 6 0 0 1 0 0 -1\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
-  EXPECT_EQ(p.colors, (Colors{{1, 0, 1}, {0, 0, 1}}));  // whole numbers: nearly black
+  EXPECT_EQ(p.colors, (Colors{{1, 0, 1}, {0, 0, 1}}));  // integers: nearly black
   EXPECT_EQ(p.normals, (Positions{{0, 0, 1}, {0, 0, -1}}));
   p = read("a.csv", "Easting;Northing;Elevation\n1;2;3\n4;5;6\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
@@ -60,20 +60,20 @@ TEST_F(Table, FurtherColumnsHaveTheTypeThatHoldsThem) {
   ASSERT_EQ(p.size(), 3u);
   EXPECT_TRUE(p.normals.empty());
   const auto& t = p.attributes;
-  EXPECT_EQ(*t.find<std::int32_t>("nx"), (std::vector<std::int32_t>{0, 1, 0}));  // alone it is no normal
+  EXPECT_EQ(*t.find<std::int32_t>("nx"), (std::vector<std::int32_t>{0, 1, 0}));  // a single component is not a normal
   EXPECT_EQ(*t.find<std::int32_t>("whole"), (std::vector<std::int32_t>{-7, 8, 9}));
   EXPECT_EQ(*t.find<std::int64_t>("large"), (std::vector<std::int64_t>{9007199254740993, -9223372036854775807, 0}));
   EXPECT_EQ(*t.find<std::uint64_t>("largest"), (std::vector<std::uint64_t>{18446744073709551615u, 0, 1}));
   EXPECT_EQ(*t.find<double>("beyond"), (std::vector<double>{1e300, -3, 2}));
   EXPECT_EQ(*t.find<double>("mixed"), (std::vector<double>{1, 2.5, 3}));
-  // What a row lacks is no number; a column with such is real.
+  // Missing fields of a row are NaN; their column is real.
   const auto& gap = *t.find<double>("gap");
   EXPECT_TRUE(gap[0] == 5 && std::isnan(gap[1]) && std::isnan(gap[2]));
   ASSERT_TRUE(t.find<double>("v") && t.find("v")->components == 2);
   EXPECT_EQ(t.find("v")->number(3), 5);
   const auto& with_unit = *t.find<double>("Case [K]");
   EXPECT_TRUE(with_unit[0] == 1.5 && std::isnan(with_unit[1]));
-  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' is there twice: the second one was left out"}));
+  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' occurs twice: the second one was left out"}));
 }
 
 TEST_F(Table, WordsThatBeginWithNumbersAreNone) {
@@ -105,7 +105,7 @@ TEST_F(Table, ColumnsByTheirValues) {
   EXPECT_EQ(p.colors, (Colors{{30, 40, 255}, {8, 7, 250}}));
   p = read("a.xyz", "1 2 3 0.25\n4 5 6 0.5\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
-  p = read("a.pwn", "1 2 3 0 0 5\n4 5 6 0 7 0\n");  // the ending says normals
+  p = read("a.pwn", "1 2 3 0 0 5\n4 5 6 0 7 0\n");  // normals follow from the ending
   EXPECT_EQ(p.normals, (Positions{{0, 0, 1}, {0, 1, 0}}));
   p = read("a.pwn.gz", gzip("1 2 3 0 0 5\n4 5 6 0 7 0\n"));
   EXPECT_EQ(p.normals, (Positions{{0, 0, 1}, {0, 1, 0}}));
@@ -136,7 +136,7 @@ TEST_F(Table, OnePlaceFarAwayHasAnOrigin) {
   }
 }
 
-/// Points with three decimals in a square of that size, whose lower corner is at `corner`.
+/// Points with three decimals in a square of that size, with the lower corner at `corner`.
 std::string survey(double corner, double size) {
   std::string text;
   for (int i = 0; i < 2000; ++i)
@@ -152,7 +152,7 @@ TEST_F(Table, WideSurveysSayWhatTheyLose) {
   ASSERT_EQ(report_.warnings.size(), 1u);
   EXPECT_TRUE(report_.warnings[0].starts_with("coordinates are rounded by up to 0.009, the file has steps of 0.001"))
       << report_.warnings[0];
-  // Steps of a metre over a continent lose nothing.
+  // Steps of a metre over a continent are exact.
   std::string metres;
   for (int i = 0; i < 2000; ++i) metres += fmt::format("{} {} {}\n", 10000000 + 500 * i, 5000000 + 7 * i, i);
   read("a.xyz", metres);
@@ -160,7 +160,7 @@ TEST_F(Table, WideSurveysSayWhatTheyLose) {
 }
 
 TEST_F(Table, OriginInTheMiddleWhereZeroWouldLoseDecimals) {
-  // Not so far from zero that the size of the cloud would ask for an origin.
+  // Not far enough from zero for an origin, relative to the size of the cloud.
   const PointSet p = read("a.xyz", survey(20000, 8000));
   EXPECT_TRUE(report_.warnings.empty());
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -174,7 +174,7 @@ TEST_F(Table, NotFinite) {
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
   ASSERT_EQ(report_.warnings.size(), 2u);
   EXPECT_EQ(report_.warnings[0], "3 of 6 points are not finite and were left out");
-  EXPECT_EQ(report_.warnings[1], "1 of 6 points lie farther than 1e+18 from zero and were left out");
+  EXPECT_EQ(report_.warnings[1], "1 of 6 points are farther than 1e+18 from zero and were left out");
   refuse("nan nan nan\nnan nan nan\n", "no points with finite coordinates");
   refuse("1e30 0 0\n0 1e30 0\n", "no points that can be used: 2 of 2 lie farther than 1e+18 from zero");
   refuse("1e30 0 0\nnan 0 0\n", "1 of 2 lies farther than 1e+18 from zero, the others are not finite");
@@ -190,7 +190,7 @@ TEST_F(Table, BadRows) {
   refuse(std::string("\x01\x02\0\x03", 4), "is not text");
   refuse("x y z nx ny nz\n1 2 3\n", "names more columns");
   refuse("99999999999999999\n1 2 3\n", "announces");
-  // The line is named correctly beyond the first piece of the parallel reading, too.
+  // Line numbers are correct beyond the first chunk of the parallel reader.
   std::string many;
   for (int i = 0; i < 20000; ++i) many += "1 2 3\n";
   refuse("# head\n" + many + "1 2 x\n" + many, "line 20,002: 'x'");
@@ -324,7 +324,7 @@ TEST(Las, BadFiles) {
 
 TEST(Conf, MergesScansWithTheirMotions) {
   const Folder folder;
-  // A quarter turn about z as these files mean it: the rotation is applied transposed, (x, y) → (y, -x).
+  // A quarter turn about z in the convention of these files: the rotation is applied transposed, (x, y) → (y, -x).
   const double h = std::sqrt(0.5);
   PlyElement v("vertex", {"float x", "float y", "float z", "float nx", "float ny", "float nz"});
   v.row({1, 0, 0, 1, 0, 0}).row({0, 2, 0, 0, 1, 0}).row({0, 0, 3, 0, 0, 1});
@@ -336,7 +336,7 @@ TEST(Conf, MergesScansWithTheirMotions) {
   std::ostringstream conf;
   conf.precision(17);
   conf << "camera 1 2 3 0 0 0 1\n\nmesh one.ply 0 0 0 0 0 0 1\nbmesh sub/two.ply 10 20 30 0 0 " << 2 * h << ' ' << 2 * h
-       << "\n";  // not unit: made so
+       << "\n";  // not unit: normalised
   const PointSet p = read_points(folder.put("a.conf", conf.str()));
   const Vec3 expected[] = {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {10, 19, 30}, {12, 20, 30}, {10, 20, 33}};
   const Vec3f normals[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
@@ -361,8 +361,8 @@ TEST(Conf, ScansThatAreNotThereAreNamedAndLeftOut) {
                                             "bmesh a.ply 0 5 0 0 0 0 1\n"),
                                  &report);
   EXPECT_EQ(report.format, "Stanford alignment of 2 of 4 scans");
-  EXPECT_EQ(report.warnings, (std::vector<std::string>{"names the scan gone.ply, which is not there: left out",
-                                                       "names the scan sub/gone.ply, which is not there: left out"}));
+  EXPECT_EQ(report.warnings, (std::vector<std::string>{"names the scan gone.ply, which does not exist: left out",
+                                                       "names the scan sub/gone.ply, which does not exist: left out"}));
   ASSERT_EQ(p.size(), 8u);
   EXPECT_EQ(p.scan_of_point, (std::vector<std::uint16_t>{0, 0, 0, 0, 1, 1, 1, 1}));
   EXPECT_EQ(p.scanners.size(), 2u);

@@ -1,4 +1,4 @@
-// Whatever a writer writes, the reader reads back: every format, with and without normals, colours and scalars.
+// Round trips of every format, with and without normals, colours and scalars.
 #include <nlohmann/json.hpp>
 
 #include "sample_files.h"
@@ -12,9 +12,9 @@ namespace {
 using namespace test;
 
 struct Kind {
-  const char* name;  ///< of the file
+  const char* name;  ///< name of the file
   bool ascii;
-  bool normals, colors, scalar;  ///< what the format keeps
+  bool normals, colors, scalar;  ///< data that the format keeps
 };
 std::ostream& operator<<(std::ostream& out, const Kind& k) { return out << k.name << (k.ascii ? " ascii" : ""); }
 
@@ -31,7 +31,7 @@ constexpr Kind point_kinds[] = {{"p.ply", false, true, true, true},     {"p.ply"
                                 {"p.pcd", true, true, true, true},      {"p.vtp", false, true, true, true},
                                 {"p.vtp", true, true, true, true},      {"p.vtp.gz", false, true, true, true}};
 
-// Far from zero, steps of a float are half a metre in y; nothing of that may show.
+// Far from zero, a step of a float is half a metre in y; this must not be noticeable.
 const Vec3 survey_origin{512345.125, 4512345.5, 250.25};
 
 class MeshRoundTrip : public ::testing::TestWithParam<Kind> {};
@@ -52,7 +52,7 @@ TEST_P(MeshRoundTrip, KeepsWhatTheFormatHas) {
     EXPECT_EQ(back.origin, Vec3{});
     ASSERT_EQ(back.vertices.size(), mesh.vertices.size());
     ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
-    if (stl) {  // vertices come in another order: compare corner by corner
+    if (stl) {  // vertices have another order: compare corner by corner
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         for (int k = 0; k < 3; ++k) {
           EXPECT_EQ(back.vertices[back.triangles[t][k]], mesh.vertices[mesh.triangles[t][k]]);
@@ -143,7 +143,7 @@ TEST_P(PointsRoundTrip, TinyAndHugeClouds) {
 }
 
 TEST(RoundTrip, MoreRowsThanOnePiece) {
-  // Text is written and read in pieces of some thousand rows; they must come back in order.
+  // Text is written and read in chunks of some thousand rows; their order must be kept.
   PointSet points;
   for (int i = 0; i < 40000; ++i) {
     points.positions.push_back({static_cast<float>(i), static_cast<float>(i % 7), static_cast<float>(i % 11)});

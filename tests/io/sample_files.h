@@ -1,4 +1,4 @@
-// Files of every format that is read, made byte by byte and independently of the library's writers.
+// Files of every readable format, made byte by byte and independently of the library's writers.
 #pragma once
 
 #include <zlib.h>
@@ -160,7 +160,7 @@ inline std::string lzf_compress(const std::string& s) {
   return out;
 }
 
-/// Points with normals, packed colours and a field that nobody knows; DATA `kind`. `count` overrides POINTS.
+/// Points with normals, packed colours and an unknown field; DATA `kind`. `count` overrides POINTS.
 inline std::string make_pcd(const std::string& kind, std::size_t n = 50, const std::string& count = {}) {
   const std::string points = count.empty() ? std::to_string(n) : count;
   std::string s =
@@ -266,7 +266,7 @@ struct Vtp {
   std::string format = "ascii";  ///< ascii, binary, or appended
   bool compressed = false, wide_header = false, big = false;
   bool base64_appended = false;
-  bool header_apart = false;  ///< header and data each in base64 of their own
+  bool header_apart = false;  ///< header and data in separate base64
 };
 
 /// A square of a quad and a strip (two triangles each) in two pieces, with normals and colours.
@@ -344,7 +344,7 @@ inline std::string make_vtp(const Vtp& o) {
 struct SampleFile {
   std::string name;
   std::string content;
-  bool binary;  ///< cut anywhere, the loss shows
+  bool binary;  ///< truncation at any byte is detectable
 };
 
 inline std::vector<SampleFile> sample_files() {

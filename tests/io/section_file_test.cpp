@@ -34,7 +34,7 @@ class SectionFiles : public ::testing::Test {
     const std::string file = folder_.put("bad.smf", bytes);
     expect_file_error(file, part, [&] { SectionFile opened(file); });
   }
-  /// Changed by `edit`, all checksums right again.
+  /// Changed by `edit`, with all checksums corrected.
   template <class Edit>
   std::string edited(Edit&& edit) {
     std::string bytes = written(folder_, some_sections());
@@ -59,7 +59,7 @@ void expect_some_sections(const SectionFile& file) {
 TEST_F(SectionFiles, RoundTrip) {
   const std::string bytes = written(folder_, some_sections());
   expect_some_sections(SectionFile(folder_ / "made.smf"));
-  // The independent description of the format agrees to the byte.
+  // The independent description of the format agrees in every byte.
   std::vector<RawSection> raw;
   for (const FileSection& s : some_sections()) raw.push_back({s.name, s.element_size, std::string(s.bytes)});
   EXPECT_EQ(packed(raw), bytes);
@@ -163,8 +163,8 @@ TEST_F(SectionFiles, ThroughATextFilter) {
       s.replace(at, from.size(), to);
     return s;
   };
-  expect_bad(replaced(good, "\r\n", "\n"), "ends of lines");
-  expect_bad(replaced(good, "\n", "\r\n"), "ends of lines");
+  expect_bad(replaced(good, "\r\n", "\n"), "line ends");
+  expect_bad(replaced(good, "\n", "\r\n"), "line ends");
 }
 
 TEST_F(SectionFiles, OtherFiles) {
@@ -177,7 +177,7 @@ TEST_F(SectionFiles, OtherFiles) {
 TEST_F(SectionFiles, Versions) {
   expect_bad(edited([](std::string& b) { put_number<std::uint32_t>(b, kMajorAt, 2); }), "newer version of sansmesh");
   expect_bad(edited([](std::string& b) { put_number<std::uint32_t>(b, kMajorAt, 0); }), "damaged");
-  // A later minor version adds sections: those that are known stay what they are.
+  // A later minor version adds sections; known sections keep their meaning.
   std::vector<FileSection> sections = some_sections();
   sections.push_back({"LATER", 5, "fives"});
   std::string later = written(folder_, sections);
@@ -208,10 +208,10 @@ TEST_F(SectionFiles, TablesThatMakeNoSense) {
   expect_bad(with(first + kEntryElementAt, std::uint32_t{0}), "table of contents");
   expect_bad(with(first + kEntryElementAt, std::uint32_t{7}), "table of contents");
   for (const char bad : {'\0', ' ', 'a', '-', '\x80'}) expect_bad(with(first, bad), "table of contents");
-  // Two of one name.
+  // Two sections of one name.
   expect_bad(edited([&](std::string& b) { std::copy_n(b.begin() + first, 8, b.begin() + second); }),
              "table of contents");
-  // Sections that share bytes do no harm: both are what their checksums say.
+  // Sections may share bytes: both have correct checksums.
   const std::string shared = edited([&](std::string& b) {
     std::copy_n(b.begin() + first + kEntryOffsetAt, 16, b.begin() + second + kEntryOffsetAt);
   });

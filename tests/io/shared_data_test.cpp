@@ -1,5 +1,5 @@
-// An extra where ../shared lies beside the checkout: every real file is read, with the counts that its source states.
-// dialects_test.cpp and shipped_files_test.cpp cover the same formats without it.
+// Optional test of the real files in ../shared, if that folder is beside the checkout: counts match those of the
+// source. dialects_test.cpp and shipped_files_test.cpp cover the same formats without it.
 #include <unordered_set>
 
 #include "io_test_tools.h"

@@ -1,5 +1,5 @@
-// Files by other programs (tests/data, examples/data): what the readers return agrees with what the files say of
-// themselves, decoded here a second time, or with the shape that they are known to hold.
+// Files by other programs (tests/data, examples/data): the readers' results agree with an independent decoding of the
+// files here, or with their known shape.
 #include <algorithm>
 #include <limits>
 
@@ -24,7 +24,7 @@ T value_at(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-/// Enclosed by the triangles; positive where they turn counter-clockwise seen from outside.
+/// Volume enclosed by the triangles; positive if they are counter-clockwise seen from outside.
 double volume(const TriangleMesh& mesh) {
   double six = 0;
   for (const Triangle& t : mesh.triangles)
@@ -40,7 +40,7 @@ Vec3 extent(const TriangleMesh& mesh) {
 
 class LasByOthers : public ::testing::TestWithParam<const char*> {};
 
-/// The points are the integers of the records, scaled and moved, and lie in the box that the header states.
+/// The points are the integers of the records, scaled and moved, and are in the box of the header.
 TEST_P(LasByOthers, HoldsWhatItsRecordsSay) {
   const std::string file = shipped(GetParam()), bytes = slurp(file);
   ASSERT_GT(bytes.size(), 375u);
@@ -60,7 +60,7 @@ TEST_P(LasByOthers, HoldsWhatItsRecordsSay) {
       ASSERT_NEAR(world(p, i)[k], x, rounding) << i;
       low = std::min(low, world(p, i)[k]), high = std::max(high, world(p, i)[k]);
     }
-    // Writers round or truncate the coordinates, and may round the box as well: a step each.
+    // Writers round or truncate the coordinates, and may round the box as well: one step each.
     EXPECT_NEAR(high, value_at<double>(bytes, 179 + 16 * k), 2 * scale + rounding);
     EXPECT_NEAR(low, value_at<double>(bytes, 187 + 16 * k), 2 * scale + rounding);
   }

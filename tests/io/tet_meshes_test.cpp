@@ -1,4 +1,4 @@
-// Meshes of Gmsh, Medit, TetGen and Vega, written here in every form that their manuals describe.
+// Meshes of Gmsh, Medit, TetGen and Vega, in every form that their manuals describe.
 #include <fmt/format.h>
 
 #include <random>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-// The body that every file of this test holds: two tetrahedra with a common face, one of its triangles.
+// Content of every file of this test: two tetrahedra with a common face, and one of its triangles.
 constexpr double kPlaces[5][3] = {{0, 0, 0}, {1.5, 0, 0}, {0, 2, 0}, {0, 0, -0.25}, {1, 1, 1}};
 constexpr int kTets[2][4] = {{0, 2, 1, 3}, {0, 1, 2, 4}};
 constexpr int kSide[3] = {0, 1, 4};
@@ -34,7 +34,7 @@ void expect_body(const GridData& data, bool points_in_order = true) {
   }
 }
 
-/// Numbers of the nodes that no program would be surprised by: with gaps, out of order.
+/// Valid but unusual node numbers: with gaps, out of order.
 constexpr std::uint64_t kNodes[5] = {7, 12, 3, 100, 8};
 
 struct Msh {
@@ -97,7 +97,7 @@ struct Msh {
     s += size(2) + size(5);
     if (one) s += size(3) + size(100);
     s += eol();
-    // The second block is parametric: two numbers more a node of a surface.
+    // The second block is parametric: two more numbers per node of a surface.
     const int counts[2] = {3, 2};
     for (int b = 0, at = 0; b < 2; at += counts[b], ++b) {
       const int dim = b == 0 ? 3 : 2;
@@ -178,7 +178,7 @@ std::string msh_cell(int type, const std::vector<Vec3>& nodes) {
 
 TEST(GmshReader, OtherCells) {
   const Folder folder;
-  // A prism of Gmsh has its first triangle counter-clockwise seen from the second.
+  // In a prism of Gmsh the first triangle is counter-clockwise seen from the second.
   const GridData prism =
       read_volume(folder.put("a.msh", msh_cell(6, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}})));
   ASSERT_EQ(prism.blocks[0].cells.shapes[0], CellShape::wedge);
@@ -189,7 +189,7 @@ TEST(GmshReader, OtherCells) {
   const GridData curved = read_volume(folder.put("b.msh", msh_cell(11, ten)));
   EXPECT_EQ(curved.blocks[0].cells.shapes[0], CellShape::tetrahedron);
   EXPECT_EQ(curved.notes, std::vector<std::string>{"of 1 cell of higher order only the corners are used"});
-  // Without anything else a triangle is what there is.
+  // A triangle is read if there are no solid cells.
   const GridData flat = read_volume(folder.put("c.msh", msh_cell(2, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})));
   EXPECT_EQ(flat.blocks[0].flat_cells.size(), 1u);
   expect_no_volume(folder.put("d.msh", msh_cell(99, ten)), "type 99");
@@ -222,7 +222,7 @@ std::string medit_binary(int version, bool big) {
     for (const int c : kTets[t]) body += whole(c + 1);
     body += whole(10 + t);
   }
-  section(8, body);  // before the vertices, as may be
+  section(8, body);  // may precede the vertices
   section(1234, "something that is skipped");
   body = whole(5);
   for (int k = 0; k < 5; ++k) {
@@ -316,7 +316,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   expect_no_volume(folder.put("c.veg", none), "the set 'skin'");
   std::string misspelt = vega_text();
   misspelt.replace(misspelt.find("allElements, soft"), 17, "allElements, sfot");
-  expect_no_volume(folder.put("d.veg", misspelt), "the material 'sfot', which is not there");
+  expect_no_volume(folder.put("d.veg", misspelt), "the missing material 'sfot'");
   for (const char* const wrong : {"1000, -5, 0.45", "0, 2.5e5, 0.45", "1000, 2.5e5, 0.5", "1000, 2.5e5, nan"}) {
     std::string material = vega_text();
     material.replace(material.find("1000, 2.5e5, 0.45"), 17, wrong);
@@ -331,7 +331,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   }
   folder.put("bomb7.veg", "# nothing\n");
   expect_no_volume(folder / "bomb0.veg", "more than 1000 files");
-  expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "'*SHELLS' is not known");
+  expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "unknown section '*SHELLS'");
 }
 
 TEST(VertexLists, CommasBlanksAndComments) {
@@ -366,7 +366,7 @@ TEST(MeshReaders, TruncatedFilesAreErrors) {
                                                    : ending == "node" ? "2."
                                                                       : "") +
                                        ending);
-    // What follows the last number that counts may be missing.
+    // Bytes after the last used number may be missing.
     const std::size_t needed = ending == "veg"     ? bytes.find("*MATERIAL")
                                : ending == "msh"   ? bytes.find("$EndElements")
                                : ending == "meshb" ? bytes.size() - 12
@@ -411,17 +411,17 @@ TEST(MeshReaders, SayWhatIsWrong) {
   expect_no_volume(folder.put("d.mesh", medit.replace(medit.find("Tetrahedra\n2\n1"), 14, "Tetrahedra\n2\n6")),
                    "the point 6");
   expect_no_volume(folder.put("e.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n1\n0 0 zero 0\n"),
-                   "line 5: 'zero' is no number");
+                   "line 5: 'zero' is not a number");
   expect_no_volume(folder.put("f.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n900000\n0 0 0 0\n"),
                    "truncated");
-  // Rows and columns that nobody told of, and numbers that are none.
+  // Undeclared rows and columns, and invalid numbers.
   const std::string gmsh =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n{}$EndNodes\n"
       "$Elements\n1\n1 4 0 1 2 3 4\n{}$EndElements\n";
   EXPECT_NO_THROW(read_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", ""))));
-  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "5 1 1 1\n", "")), "more in its $Nodes");
+  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "5 1 1 1\n", "")), "more data in its $Nodes");
   expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", "2 4 0 1 2 4 3\n")),
-                   "more in its $Elements");
+                   "more data in its $Elements");
   expect_no_volume(folder.put("h.node", tetgen_nodes(1) + "6 1 1 1 0 0\n"), "more points than its header");
   std::string columns = tetgen_nodes(1);
   columns.insert(columns.find("\n2 "), " 5");

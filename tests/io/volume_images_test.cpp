@@ -1,4 +1,4 @@
-// Images in space: MetaImage, NRRD and raw numbers, all written here.
+// Images: MetaImage, NRRD and raw numbers.
 #include <zlib.h>
 
 #include <numeric>
@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of entry i of the lattice of 5 × 4 × 3 that `counting(60)` fills.
+/// Position of entry i in the lattice of 5 × 4 × 3 that `counting(60)` fills.
 Vec3 place_of(std::size_t i) {
   const std::size_t y = i / 5 % 4, z = i / 20;
   return {static_cast<double>(i % 5), static_cast<double>(y), static_cast<double>(z)};
@@ -54,7 +54,7 @@ const NamedType kTypes[] = {
     {NumberType::f64, "MET_DOUBLE", "double", "float64", packed<double>},
 };
 
-/// Whether a volume of 5 x 4 x 3 points has the numbers of counting() in their order, and this type.
+/// Whether a volume of 5 x 4 x 3 points has the numbers of counting() in order, and this type.
 void expect_counting(const GridData& data, NumberType type, std::size_t components = 1) {
   ASSERT_EQ(data.blocks.size(), 1u);
   const GridBlock& b = data.blocks[0];
@@ -86,7 +86,7 @@ TEST(MetaImage, AllTypesAndByteOrdersInOneFileAndInTwo) {
 
 TEST(MetaImage, PointsLieWhereSpacingOffsetAndMatrixSay) {
   const Folder folder;
-  // Turned by 90° around z, mirrored along the third axis.
+  // Rotated by 90° around z, mirrored along the third axis.
   const GridData data = read_volume(
       folder.put("a.mha",
                  "NDims = 3\nDimSize = 5 4 3\nElementType = MET_UCHAR\nElementSpacing = 0.5 2 3\nOffset = 10 20 30\n"
@@ -184,7 +184,7 @@ TEST(Nrrd, DirectionsShearedOnesToo) {
 TEST(Nrrd, ComponentsOnAnyAxisAndSteps) {
   const Folder folder;
   const std::vector<double> numbers = counting(180);
-  const auto bytes_of = [&](std::size_t inner) {  // the components behind `inner` points
+  const auto bytes_of = [&](std::size_t inner) {  // the components after `inner` points
     std::vector<double> moved(180);
     for (std::size_t i = 0; i < 60; ++i) {
       for (std::size_t c = 0; c < 3; ++c) moved[(i / inner * 3 + c) * inner + i % inner] = numbers[i * 3 + c];

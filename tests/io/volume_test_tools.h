@@ -1,4 +1,4 @@
-// Shared by the tests of volumes: places of a block's points however it gives them, and bytes of files.
+// Common tools of volume tests: positions of a block's points of any kind, and bytes of files.
 #pragma once
 
 #include <string>
@@ -42,7 +42,7 @@ inline std::string expect_no_volume(const std::string& file, const std::string& 
   return expect_file_error(file, part, [&] { read_volume(file, options); });
 }
 
-/// Reads; whatever is wrong with it, only a FileError or an ArgumentError may come. True if it could be read.
+/// Reads a possibly damaged file; only FileError and ArgumentError are accepted. True if it could be read.
 inline bool volume_readable(const std::string& file) {
   try {
     const GridData data = read_volume(file);

@@ -1,5 +1,5 @@
-// Cells of all of VTK's kinds come as linear ones that fill the same volume with all of their nodes, alike where two
-// cells meet.
+// VTK cells of all kinds become linear cells with the same volume and all of their nodes, consistent across common
+// faces.
 #include <map>
 #include <numeric>
 #include <set>
@@ -27,25 +27,25 @@ double area_of(const GridBlock& b, const std::array<std::uint32_t, 4>& flat) {
   return area;
 }
 
-/// A cell in its own unit of space.
+/// A cell in a separate unit of space.
 struct KindOfCell {
   const char* name;
   int type;
   std::vector<Vec3> nodes;
   double size;         ///< volume or area
-  std::size_t pieces;  ///< that it becomes
+  std::size_t pieces;  ///< number of resulting pieces
   std::size_t unused = 0;
 };
 
 using Edges = std::vector<std::array<std::size_t, 2>>;
 
-/// With the middles of edges behind the corners.
+/// With edge midpoints after the corners.
 std::vector<Vec3> with_middles(std::vector<Vec3> corners, const Edges& edges) {
   std::vector<Vec3> nodes = corners;
   for (const auto& [a, b] : edges) nodes.push_back((corners[a] + corners[b]) / 2);
   return nodes;
 }
-/// With the centres of faces behind them.
+/// With face centres after them.
 std::vector<Vec3> with_centres(std::vector<Vec3> nodes, const std::vector<std::vector<std::size_t>>& faces) {
   for (const auto& face : faces) {
     Vec3 sum;
@@ -113,7 +113,7 @@ TEST(VtkCells, SolidsAreFilledByPiecesAtAllOfTheirNodes) {
     const Vec3 aside{10, 0, 0};
     std::vector<Vec3> moved = kTet;
     for (Vec3& p : moved) p += aside;
-    grid.add(10, moved);  // so that rows of the cells are seen to follow
+    grid.add(10, moved);  // shows that rows follow their cells
     const GridData data = read_volume(folder.put("a.vtu", grid.vtu()));
     ASSERT_EQ(data.blocks.size(), 1u);
     const GridBlock& b = data.blocks[0];
@@ -205,7 +205,7 @@ TEST(VtkCells, NeighboursAreCutAlikeWhereTheyMeet) {
       }
     }
     EXPECT_NEAR(sum, 2, 1e-9);
-    // Faces of one cell only lie on the outside of the two.
+    // Faces of one cell only are on the outside of the two.
     for (const auto& [corners, count] : faces) {
       EXPECT_LE(count, 2);
       if (count == 2) continue;

@@ -1,4 +1,4 @@
-// What VTK's files may announce: more than they hold is refused, what they hold never.
+// Sizes announced by VTK files: larger ones than the file holds are refused, valid ones never.
 #include "sansmesh/io/grids/vtk_size.h"
 
 #include "vtk_test_files.h"
@@ -9,9 +9,9 @@ namespace {
 using namespace test;
 
 constexpr const char* kZlib = "vtkZLibDataCompressor";
-/// Of 256 × 256 × 256 points.
+/// An image of 256 × 256 × 256 points.
 const std::string kWhole = "0 255 0 255 0 255";
-constexpr std::size_t kWholeBytes = std::size_t{8} << 24;  // of doubles
+constexpr std::size_t kWholeBytes = std::size_t{8} << 24;  // size of the doubles
 
 void check_xml(const std::string& file) {
   const std::string bytes = slurp(file);
@@ -24,7 +24,7 @@ void check_legacy(const std::string& file) {
   io::check_vtk_legacy_size({file, bytes, report});
 }
 
-/// A file whose arrays are compressed to so many bytes.
+/// A file with arrays compressed to this size.
 std::string compressed(const std::string& type, const std::string& content, std::size_t bytes,
                        const std::string& compressor = kZlib) {
   return "<VTKFile type=\"" + type + "\" compressor=\"" + compressor + "\">" + content +
@@ -55,7 +55,7 @@ TEST(VtkSizes, PiecesOfLatticesMayNameTheWhole) {
     pieces += "<Piece Extent=\"" + slab(k) + "\" Source=\"" + name + "\"/>";
   }
   check_xml(folder.put("a.pvti", parallel_image(pieces)));
-  // Of a file of its own room is made for the whole.
+  // For a single file, memory is allocated for the whole.
   EXPECT_THROW(check_xml(folder / "p3.vti"), FileError);
   folder.put("p3.vti",
              compressed("ImageData", image(piece(slab(3), array_of("Float64", "NumberOfTuples=\"99999999\""))), 9000));
@@ -66,7 +66,7 @@ TEST(VtkSizes, PiecesOfLatticesMayNameTheWhole) {
 TEST(VtkSizes, ParallelFilesOfSmallPiecesAreRead) {
   if (!has_vtk_readers()) GTEST_SKIP();
   const Folder folder;
-  // Each piece says how large the whole is, and holds a layer of two.
+  // Each piece states the size of the whole, and holds a layer of two.
   const std::string whole = "0 30 0 1 0 0";
   std::string sources;
   for (int k = 0; k < 2; ++k) {
@@ -120,7 +120,7 @@ TEST(VtkSizes, BitsAreEightToAByteAndSomeCompressorsAreBetter) {
   check_xml(folder.put("a.vti", compressed("ImageData", field("Bit", "800000000"), 100'000)));
   EXPECT_THROW(check_xml(folder.put("a.vti", compressed("ImageData", field("UInt8", "800000000"), 100'000))),
                FileError);
-  // Zeros by LZMA are 7,000 to one.
+  // LZMA compresses zeros by 7,000.
   check_xml(
       folder.put("a.vti", compressed("ImageData", field("UInt8", "700000000"), 100'000, "vtkLZMADataCompressor")));
   EXPECT_THROW(check_xml(folder.put("a.vti", compressed("ImageData", field("UInt8", "700000000"), 100'000, kZlib))),
@@ -147,7 +147,7 @@ TEST(VtkSizes, MetadataOfLegacyFieldsAreNoArrays) {
   }
   const std::string file = folder.put("a.vtk", text);
   check_legacy(file);
-  // Behind them arrays are still counted.
+  // Later arrays are still counted.
   const std::string last = "f 1 8 double";
   std::string lies = text;
   lies.replace(lies.find(last), last.size(), "f 9 80000000 double");

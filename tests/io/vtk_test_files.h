@@ -1,4 +1,4 @@
-// Files of VTK's in text, for tests of the module that reads them.
+// VTK text files for tests of the module that reads them.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ inline std::string vtk_file(const std::string& type, const std::string& content,
          "\" byte_order=\"LittleEndian\">\n" + content + "</VTKFile>\n";
 }
 
-/// An unstructured grid. Nodes at one place are one point. Points have the array `x`, cells the array `cell`: their
+/// An unstructured grid. Nodes at one position are one point. The arrays `x` of points and `cell` of cells hold their
 /// number.
 struct TextGrid {
   std::vector<Vec3> points;

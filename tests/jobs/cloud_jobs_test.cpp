@@ -1,4 +1,4 @@
-// Jobs around a cloud: what is chosen and told. How good normals and curvatures are is told by tests/points and
+// Tests of jobs on clouds: choices and reports. The accuracy of normals and curvatures is tested in tests/points and
 // tests/surface.
 #include <gtest/gtest.h>
 
@@ -87,9 +87,9 @@ TEST(CurvatureJob, OfAMeshEveryVertexKeepsItsPlace) {
 TEST(ProjectJob, ChoosesWhatSuitsTheSamples) {
   Progress progress;
   const PointSet noisy = sphere(3000, 0.02);
-  const ProjectResult suited = project({.points = noisy}, {}, progress);
-  EXPECT_EQ(suited.report.method, "partition");
-  EXPECT_GT(suited.report.moved.mean_move, 0);
+  const ProjectResult recommended = project({.points = noisy}, {}, progress);
+  EXPECT_EQ(recommended.report.method, "partition");
+  EXPECT_GT(recommended.report.moved.mean_move, 0);
   ProjectOptions options;
   options.surface.smoothing = 3;
   EXPECT_EQ(project({.points = noisy}, options, progress).report.method, "curvature");
@@ -115,7 +115,7 @@ TEST(ProjectJob, NamesWhoseFaultItIs) {
   };
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(1000), .onto_name = "ball.ply"}, {.method = "apss"}),
-      "far.ply: no point lies near enough to the surface of ball.ply");
+      "far.ply: no point is near enough to the surface of ball.ply");
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(4), .onto_name = "few.ply"}, {}).rfind("few.ply: ", 0),
       0u);

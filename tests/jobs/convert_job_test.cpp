@@ -1,4 +1,4 @@
-// Conversion as a job: its steps, what they report and refuse, and parts.
+// Tests of conversion: steps, reports, errors, and parts.
 #include "sansmesh/convert.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// Deformations as jobs: what is chosen, told and refused, and what comes of poses. How exact the maps are is told by
-// tests/deform.
+// Tests of deformation jobs: choices, reports, errors, and poses. The accuracy of the maps is tested in tests/deform.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +20,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// The corners of a cube of side 2 about the origin, that go where `way` says.
+/// The corners of a cube of side 2 about the origin, moved by `way`.
 std::vector<Handle> corners(const std::function<Vec3(const Vec3&)>& way) {
   std::vector<Handle> handles(8);
   for (int i = 0; i < 8; ++i) {
@@ -36,7 +35,7 @@ Deformation moved_by(const Vec3& shift) {
   return Deformation(corners([&](const Vec3& p) { return p + shift; }));
 }
 
-/// Two neighbours change places.
+/// Two neighbours exchange positions.
 Deformation crossed() {
   std::vector<Handle> handles = corners([](const Vec3& p) { return p; });
   std::swap(handles[0].q, handles[1].q);
@@ -238,7 +237,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
       },
       progress);
   EXPECT_EQ(lattice.report.size[0], 9u);
-  EXPECT_NEAR(lattice.report.inside.value(), 1, 0.4);  // but for its faces
+  EXPECT_NEAR(lattice.report.inside.value(), 1, 0.4);  // except its faces
 
   volume = VolumeModel(volume, {.array = "flow"});
   const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);

@@ -1,4 +1,4 @@
-// Holes of a mesh as a job: what is decided and told beside the mesh. How well holes are filled is told by tests/mesh.
+// Tests of hole filling as a job: decisions and notes. The quality of fillings is tested in tests/mesh.
 #include "sansmesh/repair.h"
 
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 namespace sansmesh::test {
 namespace {
 
-/// Without the triangles around its first vertex.
+/// The mesh without the triangles around its first vertex.
 TriangleMesh opened(TriangleMesh mesh) {
   std::erase_if(mesh.triangles, [](const Triangle& t) { return std::find(t.begin(), t.end(), 0u) != t.end(); });
   return mesh;
 }
 
-/// Every triangle with vertices of its own.
+/// Separate vertices for every triangle.
 TriangleMesh soup(const TriangleMesh& mesh) {
   TriangleMesh made;
   for (const Triangle& t : mesh.triangles) {
@@ -58,7 +58,7 @@ TEST(FillJob, JoinsVerticesAtOnePlaceBefore) {
 }
 
 TEST(FillJob, TellsOfEndsThatStayAndOfWhatIsInvented) {
-  // A tube, its ends open: eight sides.
+  // A tube with eight sides and open ends.
   TriangleMesh tube;
   constexpr std::uint32_t kSides = 8, kRings = 12;
   for (std::uint32_t k = 0; k < kRings; ++k)

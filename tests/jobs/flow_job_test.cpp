@@ -1,4 +1,4 @@
-// Flows as jobs: what is opened, chosen, told and refused. How exact lines and surfaces are is told by tests/flow.
+// Tests of flow jobs: opening, choices, notes, errors. The accuracy of lines and surfaces is tested in tests/flow.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 FlowModel formula(const char* name) { return {analytic_flow(name), name}; }
 
-/// A lattice of 5³ points about the origin with the vectors of a rotation that is `speed` times as fast, and a scalar.
+/// A lattice of 5³ points about the origin with the vectors of a rotation of the given speed, and a scalar.
 GridData turning(double speed) {
   GridBlock block;
   block.kind = GridKind::lattice;
@@ -126,7 +126,7 @@ TEST(TraceLines, TellsOfSeedsOutsideAndWhereTheFlowIs) {
   EXPECT_TRUE(has_note(made.notes, "outside"));
   const std::string error = refused<DataError>([&] { trace_lines_of(flow, {.seeds = "point(9,9,9)"}, progress); });
   EXPECT_TRUE(holds(error, "turning.vti: ")) << error;
-  EXPECT_TRUE(holds(error, "(it lies between (-2, -2, -2)")) << error;
+  EXPECT_TRUE(holds(error, "(it is between (-2, -2, -2)")) << error;
 }
 
 TEST(TraceLines, OptionsSayWhichWay) {
@@ -141,7 +141,7 @@ TEST(TraceLines, OptionsSayWhichWay) {
   EXPECT_EQ(options.kind, FlowLineKind::path);
   EXPECT_EQ(options.direction, FlowDirection::backward);
   EXPECT_EQ(options.trace.step, 0.25);
-  EXPECT_EQ(usual_color(options), "speed");
+  EXPECT_EQ(default_color(options), "speed");
 }
 
 TEST(LinePicture, HasAScaleBesideTheTubes) {

@@ -1,5 +1,4 @@
-// Jobs around a function: what they report beside it. How right values, edits and suspicions are is told by
-// tests/field and tests/function.
+// Tests of jobs on functions: reports. Values, edits and diagnoses are tested in tests/field and tests/function.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,8 +44,8 @@ Edit constant_everywhere() { return {.select = {}, .action = SetConstant{}}; }
 
 TEST(EvaluateJob, IsInTheUnitOfTheInput) {
   Progress progress;
-  const std::vector<Vec3> places{{2.02, 0, 0}, {0, -2, 0}, {0, 0, 1.9}};
-  const ProbeFunctionResult made = probe_function(ball_function(), places, progress);
+  const std::vector<Vec3> points{{2.02, 0, 0}, {0, -2, 0}, {0, 0, 1.9}};
+  const ProbeFunctionResult made = probe_function(ball_function(), points, progress);
   ASSERT_EQ(made.values.size(), 3u);
   EXPECT_NEAR(made.values[0].value, 0.02, 0.004);
   EXPECT_NEAR(made.values[1].k1, 0.5, 0.05);
@@ -95,26 +94,26 @@ TEST(DiagnoseJob, ListsPlacesByKindWithTheirEdits) {
   Progress progress;
   const PointSet scan = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
   const DiagnoseResult made = diagnose(fit_function(scan, {}, progress).function, {}, progress);
-  ASSERT_FALSE(made.places.empty());
+  ASSERT_FALSE(made.regions.empty());
   std::size_t steps = 0;
-  for (std::size_t i = 0; i < made.places.size(); ++i) {
-    const ListedPlace& p = made.places[i];
+  for (std::size_t i = 0; i < made.regions.size(); ++i) {
+    const ListedRegion& p = made.regions[i];
     EXPECT_EQ(p.number, i + 1);
-    EXPECT_LE(made.places[i - (i > 0 ? 1 : 0)].place.kind, p.place.kind);
+    EXPECT_LE(made.regions[i - (i > 0 ? 1 : 0)].region.kind, p.region.kind);
     EXPECT_FALSE(p.worst_words().empty());
     steps += p.step.has_value();
   }
   EXPECT_EQ(steps, made.edits.size());
   RenderOptions look;
   look.view.width = 80, look.view.height = 60, look.quality.samples = 1;
-  const std::vector<Image> each = draw_places(made, look, false, progress);
-  ASSERT_EQ(each.size(), made.places.size());
+  const std::vector<Image> each = draw_regions(made, look, false, progress);
+  ASSERT_EQ(each.size(), made.regions.size());
   EXPECT_EQ(each[0].width, 80);
-  EXPECT_EQ(draw_places(made, look, true, progress).size(), 1u);
-  EXPECT_TRUE(draw_places({}, look, true, progress).empty());
+  EXPECT_EQ(draw_regions(made, look, true, progress).size(), 1u);
+  EXPECT_TRUE(draw_regions({}, look, true, progress).empty());
   DiagnoseResult many = made;
-  many.places.resize(1601);
-  EXPECT_NE(words_of<ArgumentError>([&] { draw_places(many, look, true, progress); }).find("`places`"),
+  many.regions.resize(1601);
+  EXPECT_NE(words_of<ArgumentError>([&] { draw_regions(many, look, true, progress); }).find("`places`"),
             std::string::npos);
 }
 

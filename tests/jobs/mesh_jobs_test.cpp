@@ -1,4 +1,4 @@
-// Jobs around a mesh: what they report beside the mesh. How good the meshes are is told by tests/mesh.
+// Tests of jobs on meshes: reports. The quality of the meshes is tested in tests/mesh.
 #include <gtest/gtest.h>
 
 #include "sansmesh/error.h"
@@ -14,7 +14,7 @@ TEST(SmoothJob, SaysWhenMoreThanNoiseGoes) {
   const SmoothResult fine = smooth(octasphere(4), {}, progress);
   EXPECT_TRUE(fine.notes.empty());
   EXPECT_EQ(fine.mesh.triangles.size(), octasphere(4).triangles.size());
-  // An octahedron is all edges.
+  // All edges of an octahedron are creases.
   const SmoothResult coarse = smooth(octasphere(0), {.iterations = 50}, progress);
   ASSERT_TRUE(has_note(coarse.notes, "moved_far"));
   EXPECT_NE(coarse.notes[0].remedy.find("`creases`"), std::string::npos);
@@ -42,7 +42,7 @@ TEST(SimplifyJob, SaysWhatCannotBeHadAndWhatIsFarOff) {
   const SimplifyResult few = simplify(ball, {.triangles = 8}, progress);
   EXPECT_TRUE(has_note(few.notes, "far_off"));
   EXPECT_FALSE(has_note(simplify(ball, {}, progress).notes, "far_off"));
-  // Two tetrahedra that share a face cannot lose an edge without losing that.
+  // Two tetrahedra that share a face cannot collapse an edge without losing the face.
   TriangleMesh walls;
   walls.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
   walls.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}};

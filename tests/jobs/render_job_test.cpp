@@ -1,4 +1,4 @@
-// Pictures of objects: what is chosen, told and refused. What pictures show is told by tests/render and tests/cli.
+// Tests of pictures of objects: choices, notes, errors. The pictures are tested in tests/render and tests/cli.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -107,7 +107,7 @@ TEST(RenderJob, LinesOfACloudAreThoseOfItsSurface) {
   options.look.picture.look.lines = PictureLook::Lines::only;
   EXPECT_TRUE(pictures_of({cloud_object()}, options).result.report.surface);
   EXPECT_FALSE(pictures_of({ball()}, options).result.report.surface);
-  // Points of a plane make none.
+  // Points of a plane form no surface.
   PictureObject plane{.name = "plane.xyz"};
   for (int i = 0; i < 400; ++i)
     plane.points.positions.push_back(

@@ -1,4 +1,4 @@
-// Schemas of composed options: every part has its rows, which set the part's fields.
+// Tests of schemas of composed options: every part has its rows, which set the part's fields.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ TYPED_TEST(PicturesOf, ViewLookAndQualityAreRowsOnce) {
   set_all(options, "width", std::int64_t{320});
   set_all(options, "background", std::string("#204060"));
   EXPECT_EQ(options.picture.view.width, 320);
-  EXPECT_EQ(options.picture.look.behind().kind, Background::Kind::solid);
+  EXPECT_EQ(options.picture.look.effective_background().kind, Background::Kind::solid);
   EXPECT_THROW(set_all(options, "width", std::int64_t{0}), ArgumentError);
 }
 

@@ -1,5 +1,4 @@
-// Simulations: what is chosen for a body and a scene, and what is said of it. How bodies move is told by
-// tests/dynamics.
+// Tests of simulations: choices for a body and a scene, and notes. The dynamics is tested in tests/dynamics.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Jobs around a surface of any kind: what is chosen, told and refused. How exact their numbers are is told by
-// tests/measure and tests/mesh.
+// Tests of jobs on surfaces of all kinds: choices, notes, errors. Their accuracy is tested in tests/measure and
+// tests/mesh.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ AnySurface sphere_function() {
   return {SurfaceFunction(fit_surface_function(std::move(points), {}, progress)), "ball.smf"};
 }
 
-/// Box of sides 2, 3 and 4, none of whose turns is it again but those by 180°.
+/// A box of sides 2, 3 and 4, whose only rotational symmetries are by 180°.
 TriangleMesh brick() {
   TriangleMesh mesh = octasphere(4);
   for (Vec3f& v : mesh.vertices) {

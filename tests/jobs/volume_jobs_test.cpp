@@ -1,4 +1,4 @@
-// Jobs around a volume: what they choose by themselves, and what they report.
+// Tests of jobs on volumes: automatic choices and reports.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,9 +32,9 @@ TEST(VolumeModel, ChoosesTheMethodThatSuitsTheDataAndSaysWhy) {
   smooth.field(progress, notes), rough.field(progress, notes);
   EXPECT_EQ(smooth.report().options.method, "mls-detail");
   EXPECT_EQ(rough.report().options.method, "cubic");
-  EXPECT_EQ(rough.report().why, rough.suited(progress).why);
+  EXPECT_EQ(rough.report().why, rough.recommended(progress).why);
   EXPECT_NE(rough.report().why.find("noisy"), std::string::npos);
-  // The same wherever nobody names a method: in the dataset, in the reconstruction itself.
+  // The default method is the same in the dataset and in the reconstruction itself.
   VolumeDataset dataset(lattice_grid({16, 16, 16}, noise));
   ReconstructionReport of_dataset, alone;
   dataset.field({"f", {}, false}, {}, progress, &of_dataset);
@@ -73,7 +73,7 @@ TEST(VolumeModel, OtherArraysGetTheMethodOfTheFirst) {
   EXPECT_EQ(length->components(), 1u);
   EXPECT_EQ(volume.field(progress, notes), length) << "made once";
   EXPECT_EQ(volume.sample_value(0), 0);
-  EXPECT_EQ(volume.report().options.method, volume.suited(progress).method);
+  EXPECT_EQ(volume.report().options.method, volume.recommended(progress).method);
   EXPECT_EQ(volume.field(volume.scalar_choice("f", "color_by"), progress, notes)->components(), 1u);
   EXPECT_THROW(volume.scalar_choice("g", "color_by"), ArgumentError);
   EXPECT_THROW(volume.value_or_middle({}), ArgumentError);
@@ -90,7 +90,7 @@ TEST(VolumeModel, BareGridsAreAnErrorUnlessTheyMayBe) {
     FAIL() << "a volume without arrays";
   } catch (const DataError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "made.vti: holds no arrays: there is nothing to reconstruct; its arrays are elsewhere");
+              "made.vti: has no arrays: there is nothing to reconstruct; its arrays are elsewhere");
   }
   Progress progress;
   VolumeModel may_be = model_of(bare, {.bare = true});

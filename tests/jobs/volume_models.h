@@ -1,4 +1,4 @@
-// Small volumes that jobs work on.
+// Small volumes for tests of jobs.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace sansmesh::test {
 
-/// Also the places as vectors "where"; all arrays at points alone.
+/// Adds the positions as vectors "where"; all arrays are at points.
 inline GridData with_vectors(GridData data) {
   GridBlock& block = data.blocks[0];
   std::vector<double> where;
@@ -27,7 +27,8 @@ inline VolumeModel model_of(GridData data, const VolumeModelOptions& options = {
   return {std::move(data), "made.vti", options};
 }
 
-/// 1 in a ball of radius 0.3 about the middle of the unit cube, 0 outside, over about two samples of 21.
+/// 1 in a ball of radius 0.3 about the centre of the unit cube, 0 outside, with a transition of about two samples
+/// of 21.
 inline double soft_ball(const Vec3& x) { return 0.5 * std::erfc((norm(x - Vec3{0.5, 0.5, 0.5}) - 0.3) * 20); }
 
 }  // namespace sansmesh::test

@@ -1,4 +1,4 @@
-// Jobs that make surfaces and pictures of volumes, and tell what can be made of them.
+// Tests of jobs that make surfaces and pictures of volumes, and of advice.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -231,7 +231,7 @@ TEST(VolumeAdvice, NamesArraysValuesAndSeeds) {
   EXPECT_EQ(advice.recommendations[0].aim, VolumeRecommendation::Aim::flow_picture);
 }
 
-/// The grid itself tells that its cells are a body, whatever it is called.
+/// The grid itself shows that its cells are a body, in a file of any name.
 TEST(VolumeAdvice, CellsInNoOrderAreABodyFittedToo) {
   Progress progress;
   const auto aims_at_forces = [&](VolumeModel& volume) {

@@ -1,9 +1,9 @@
-// Arithmetic for kernels on every instruction set, against the standard library's.
+// Portable arithmetic of kernels on every instruction set, compared with the standard library.
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/portable_test.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway wants it.
+// After foreach_target.h, as Highway requires.
 #include <hwy/highway.h>
 
 #include "sansmesh/core/portable-inl.h"
@@ -57,7 +57,7 @@ namespace {
 
 constexpr std::size_t kMany = 1 << 16;
 
-/// Calls f(target's name) on every target.
+/// Calls f(name of the target) on every target.
 template <class F>
 void on_every_target(const F& f) {
   for (const std::int64_t target : simd_targets()) {
@@ -74,7 +74,7 @@ TEST(Portable, MultiplyAddRoundsOnce) {
   for (std::size_t i = 0; i < kMany; ++i) {
     a[i] = u(random), b[i] = u(random), c[i] = u(random);
     switch (i % 6) {
-      case 1:  // sums that cancel
+      case 1:  // cancelling sums
         c[i] = -a[i] * b[i];
         break;
       case 2:  // small numbers: exact, and halfway between two floats
@@ -85,7 +85,7 @@ TEST(Portable, MultiplyAddRoundsOnce) {
         a[i] = std::ldexp(a[i], far(random)), b[i] = std::ldexp(b[i], far(random));
         c[i] = std::ldexp(c[i], far(random));
         break;
-      case 4:  // just off halfway, by less than a double of that size can tell
+      case 4:  // just off halfway, by less than the resolution of a double of that size
         a[i] = 1 + std::ldexp(1.0f, -23), b[i] = std::ldexp(a[i], -24 - digits(random) / 12);
         c[i] = std::ldexp(1.0f + static_cast<float>(i % 64), digits(random));
         break;

@@ -1,4 +1,4 @@
-// Whatever instruction set a machine has, results are the same to the bit.
+// Results are bit-identical on all instruction sets.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -24,7 +24,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// Bytes of everything that was found.
+/// Collects the bytes of results.
 class Found {
  public:
   template <class T>
@@ -46,7 +46,7 @@ class Found {
   std::vector<unsigned char> bytes_;
 };
 
-/// `answer` fills a Found with all that kernels say about one question.
+/// `answer` fills a Found with the results of kernels for one problem.
 template <class F>
 void expect_same_bits(const F& answer) {
   const std::vector<std::int64_t> targets = simd_targets();
@@ -153,7 +153,7 @@ TEST(SameBits, PartitionOfUnity) {
       found.add(values);
       field.evaluate(x, values, gradients);
       found.add(values), found.add(gradients);
-      // Fewer points than a vector has lanes, and those left over behind full ones.
+      // Fewer points than lanes of a vector, and remainders after full vectors.
       for (std::size_t n = 1; n <= 40; ++n) {
         field.evaluate(std::span(x).first(n), std::span(values).first(n), std::span(gradients).first(n));
         found.add(values), found.add(gradients);
@@ -162,7 +162,7 @@ TEST(SameBits, PartitionOfUnity) {
   }
 }
 
-/// Dense on one side, coarse on the other: points that are evaluated together are reached by different samples.
+/// Dense on one side, coarse on the other: points of one batch use different samples.
 PointSet of_two_densities() {
   PointSet cloud;
   for (const std::size_t n : {std::size_t{200}, std::size_t{8000}}) {
@@ -213,7 +213,7 @@ TEST(SameBits, Projections) {
         const ProjectionSurface p = make_projection_surface(prepare_samples(cloud, progress), options, progress);
         std::vector<FootPoint> feet(x.size());
         p.project(x, feet);
-        for (const FootPoint& f : feet) {  // not its padding
+        for (const FootPoint& f : feet) {  // without its padding
           found.add(f.defined ? 1.0 : 0.0);
           found.add(std::span<const Vec3>(&f.position, 1)), found.add(std::span<const Vec3>(&f.normal, 1));
           found.add(f.xx), found.add(f.xy), found.add(f.yy);
@@ -300,7 +300,7 @@ TEST(SameBits, Deformations) {
         found.add(positions);
       }
     }
-    // Thin sets, mirrored or not, need steps that others do not: in some lanes of a vector.
+    // Thin sets, mirrored or not, need extra steps in some lanes of a vector.
     for (const double thin : {0.15, 0.1, -0.15, -0.1}) {
       std::vector<Handle> flat(handles.begin(), handles.begin() + 12);
       for (Handle& h : flat) h.q.y *= thin, h.q.z *= thin, h.p.y *= thin, h.p.z *= std::abs(thin);

@@ -16,7 +16,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Turned about an axis by an angle.
+/// Rotated about an axis by an angle.
 TriangleMesh turned(TriangleMesh mesh, const Vec3& axis, double angle) {
   const Vec3 k = normalized(axis);
   for (Vec3f& v : mesh.vertices) {
@@ -44,7 +44,7 @@ TEST(MeasureSolid, BoxInAnyPosition) {
     EXPECT_NEAR(m.smallest_box.sizes[1], 4, 1e-4);
     EXPECT_NEAR(m.smallest_box.sizes[2], 2, 1e-4);
     EXPECT_NEAR(norm(m.smallest_box.center - box.origin), 0, 1e-4);
-    // The axis of the least moment is the longest side.
+    // The axis of the smallest moment is the longest side.
     EXPECT_NEAR(std::abs(dot(m.whole.mass->axes[0], m.smallest_box.axes[0])), 1, 1e-5);
     for (const auto& axes : {m.whole.mass->axes, m.smallest_box.axes}) {
       EXPECT_NEAR(norm(cross(axes[0], axes[1]) - axes[2]), 0, 1e-9);
@@ -85,7 +85,7 @@ TEST(MeasureSolid, ComponentsCavitiesAndOpenParts) {
   EXPECT_NEAR(m.components[2].box.lower.x, 9.5, 1e-6);
   EXPECT_NEAR(m.whole.mass->volume, 63 + m.components[2].mass->volume, 1e-6);
 
-  mesh.triangles.pop_back();  // of the sphere
+  mesh.triangles.pop_back();  // opens the sphere
   m = measure_solid(mesh);
   EXPECT_FALSE(m.whole.closed());
   EXPECT_FALSE(m.whole.mass);
@@ -94,12 +94,12 @@ TEST(MeasureSolid, ComponentsCavitiesAndOpenParts) {
   EXPECT_EQ(m.components[2].open_edges, 3u);
 }
 
-TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
+TEST(MeasureSolid, DistinguishesSolidsCavitiesAndOverlaps) {
   const auto at = [](const Vec3f& low, const Vec3f& high, bool inward) {
     TriangleMesh box = test::box_mesh(low, high);
     return inward ? test::turned_inside_out(box) : box;
   };
-  // A solid, a cavity in it, a solid in the cavity: all as it should be. Faces touch, corners lie above each other.
+  // A solid, a cavity in it, a solid in the cavity: a valid nesting. Faces touch, corners coincide in projection.
   TriangleMesh mesh = at({0, 0, 0}, {8, 8, 8}, false);
   mesh = test::joined(mesh, at({1, 1, 1}, {7, 7, 7}, true), {});
   mesh = test::joined(mesh, at({2, 2, 1}, {6, 6, 6}, false), {});
@@ -111,7 +111,7 @@ TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
   for (const BodyMeasures& b : m.components) EXPECT_FALSE(b.misplaced());
   EXPECT_EQ(m.crossing_pairs, 0u);
 
-  // A solid in solid matter, and one inside out that stands free.
+  // A solid inside solid matter, and an inverted free one.
   mesh = test::joined(mesh, at({3, 3, 3}, {4, 4, 4}, false), {});
   mesh = test::joined(mesh, at({10, 10, 10}, {11, 11, 12}, true), {});
   m = measure_solid(mesh);
@@ -123,15 +123,15 @@ TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
   EXPECT_EQ(m.crossing_pairs, 0u);
 }
 
-TEST(MeasureSolid, TheSameBodyTwiceLiesWithinItself) {
-  // Faces lie on each other, and rounding must not say which is above.
+TEST(MeasureSolid, DuplicateBodiesAreNested) {
+  // Faces coincide, and rounding must not decide which is above.
   for (int k = 0; k < 6; ++k) {
     SCOPED_TRACE(k);
     const TriangleMesh ball = turned(test::octasphere(2), {1, 0.3 * k, -2}, 0.37 * k + 0.1);
     SolidMeasures m = measure_solid(test::joined(ball, ball, {}));
     ASSERT_EQ(m.components.size(), 2u);
     for (const BodyMeasures& b : m.components) EXPECT_TRUE(b.misplaced());
-    // A cavity that a body fills to its walls is one.
+    // A cavity filled by a body up to its walls is still a cavity.
     const TriangleMesh wall = turned(test::scaled(test::octasphere(2), 1.5f), {1, 0.3 * k, -2}, 0.37 * k + 0.1);
     m = measure_solid(test::joined(test::joined(wall, test::turned_inside_out(ball), {}), ball, {}));
     ASSERT_EQ(m.components.size(), 3u);
@@ -140,7 +140,7 @@ TEST(MeasureSolid, TheSameBodyTwiceLiesWithinItself) {
 }
 
 TEST(MeasureSolid, ManyLongBodiesBesideEachOther) {
-  // Triangles that are far longer than wide; a ray goes through few of them.
+  // Triangles far longer than wide; a ray crosses few of them.
   TriangleMesh rods;
   constexpr int n = 60;
   for (int i = 0; i < n; ++i)
@@ -153,7 +153,7 @@ TEST(MeasureSolid, ManyLongBodiesBesideEachOther) {
   EXPECT_EQ(std::count_if(m.components.begin(), m.components.end(), [](const auto& b) { return b.misplaced(); }), 0);
 }
 
-TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {
+TEST(MeasureSolid, FindsIntersectingTriangles) {
   const TriangleMesh sphere = test::octasphere(4);
   EXPECT_EQ(measure_solid(sphere).crossing_pairs, 0u);
   const SolidMeasures apart = measure_solid(test::joined(sphere, sphere, {2.5f, 0, 0}));
@@ -164,11 +164,11 @@ TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {
   for (const BodyMeasures& b : overlapping.components) EXPECT_FALSE(b.misplaced()) << "most of it stands free";
 }
 
-TEST(MeasureSolid, ClosedMeansThatNoDirectionIsLeftOver) {
+TEST(MeasureSolid, ClosedMeansBalancedEdges) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
   std::swap(box.triangles[3][0], box.triangles[3][1]);
-  EXPECT_EQ(measure_solid(box).whole.open_edges, 3u);  // its edges are run through twice the same way
-  // Two cubes with a common edge: four triangles there, and closed nevertheless.
+  EXPECT_EQ(measure_solid(box).whole.open_edges, 3u);  // its edges are traversed twice in the same direction
+  // Two cubes with a common edge: four triangles there, but closed.
   TriangleMesh touching = test::joined(test::box_mesh({0, 0, 0}, {1, 1, 1}), test::box_mesh({1, 1, 0}, {2, 2, 1}), {});
   EXPECT_EQ(measure_solid(touching).components.size(), 2u) << "only touch";
   for (Triangle& t : touching.triangles)

@@ -25,7 +25,7 @@ TEST(DistanceMap, SphereAgainstALargerOne) {
   const TriangleMesh small = test::octasphere(5), large = test::scaled(test::octasphere(6), 1.01f);
   const DistanceMap inner = compare(small, large);
   EXPECT_EQ(inner.measured, small.vertices.size());
-  // Faces of the large sphere lie up to 1e-4 inside of it.
+  // Faces of the large sphere are up to 1e-4 inside it.
   for (const float d : inner.distance) ASSERT_NEAR(d, -0.01, 2e-4);
   const DistanceMap outer = compare(large, small);
   for (const float d : outer.distance) ASSERT_NEAR(d, 0.01, 8e-4);
@@ -41,7 +41,7 @@ TEST(DistanceMap, SphereAgainstALargerOne) {
   EXPECT_LE(s.p95, s.highest);
   EXPECT_NEAR(norm(s.highest_at), 1, 1e-6);
 
-  // The other way round with the sign changed: the same figures, measured on the reference.
+  // Reversed with the opposite sign: the same figures, measured on the reference.
   const DistanceMap reversed = compare(large, small, {.reversed = true});
   EXPECT_NEAR(reversed.statistics.mean, -0.01, 5e-4);
 }
@@ -61,7 +61,7 @@ TEST(DistanceMap, TorusAgainstAThickerOne) {
   EXPECT_DOUBLE_EQ(*compare(thin, torus, {.within = 0.01}).statistics.within_tolerance, 0);
 }
 
-TEST(DistanceMap, FieldAndMeshTellTheSame) {
+TEST(DistanceMap, FieldAndMeshAgree) {
   const TriangleMesh part = test::scaled(test::octasphere(5), 0.98f), sphere = test::octasphere(6);
   const test::SphereField field(1);
   Progress progress;
@@ -85,7 +85,7 @@ TEST(DistanceMap, WeightsAreAreas) {
   };
   add_square(1, 0, 1);
   add_square(20, 2, 2);
-  part.vertices.push_back({0, 0, 50});  // used by nothing
+  part.vertices.push_back({0, 0, 50});  // unused
   TriangleMesh floor;
   floor.vertices = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
   floor.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -101,12 +101,12 @@ TEST(DistanceMap, WeightsAreAreas) {
   EXPECT_TRUE(std::isnan(map.distance.back()));
   EXPECT_EQ(s.histogram.size(), kHistogramBins);
   EXPECT_NEAR(std::accumulate(s.histogram.begin(), s.histogram.end(), 0.0) + s.below_range + s.above_range, 1, 1e-12);
-  // Bins of 6/41: 1 lies in bin 27, 2 in bin 34.
+  // Bins of 6/41: 1 is in bin 27, 2 in bin 34.
   EXPECT_NEAR(s.histogram[27], 0.5, 1e-12);
   EXPECT_NEAR(s.histogram[34], 0.5, 1e-12);
 }
 
-TEST(DistanceMap, WhatIsLeftOutIsCounted) {
+TEST(DistanceMap, CountsPointsLeftOut) {
   TriangleMesh part = test::octasphere(3);
   part.vertices[0] = {NAN, 0, 0};
   part.vertices[1] = {-40, 0, 0};
@@ -132,7 +132,7 @@ TEST(DistanceMap, WhatIsLeftOutIsCounted) {
   EXPECT_THROW(compare(sphere, {}), DataError);
 }
 
-TEST(DistanceMap, WhereNothingIsFoundCountsApartFromFar) {
+TEST(DistanceMap, CountsLostAndFarPointsSeparately) {
   TriangleMesh part;
   part.vertices = {{0, 0, 0}, {1.01f, 0, 0}, {3, 0, 0}};
   const test::SphereField sphere(1);
@@ -187,7 +187,7 @@ TEST(DistanceMap, DoesNotDependOnTheNumberOfThreads) {
 TEST(DistanceMap, IdenticalSurfacesAreAtZero) {
   const DistanceMap map = compare(test::octasphere(4), test::octasphere(4));
   EXPECT_EQ(map.statistics.mean_absolute, 0);
-  // What no other range follows from: a millionth of the diagonal, not 0.
+  // Without other data the range is a millionth of the diagonal, not 0.
   EXPECT_TRUE(map.statistics.smallest_range);
   EXPECT_NEAR(map.statistics.range, kSmallestRange * 2 * std::sqrt(3.0), 1e-7);
   EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(3)).statistics.smallest_range);

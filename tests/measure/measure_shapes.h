@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
+#include "support/formula_field.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::test {
@@ -30,41 +30,28 @@ inline TriangleMesh turned_inside_out(TriangleMesh mesh) {
 }
 
 /// Signed distance to a sphere.
-class SphereField : public ScalarField {
+class SphereField : public FormulaField {
  public:
-  explicit SphereField(double radius, const Vec3& center = {}, double margin = 0.3)
-      : radius_(radius), center_(center), margin_(margin) {}
-  Box3 bounds() const override {
-    const Vec3 half = Vec3{1, 1, 1} * (radius_ + margin_);
-    return {center_ - half, center_ + half};
-  }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      values[i] = norm(x[i] - center_) - radius_;
-      if (!gradients.empty()) gradients[i] = normalized(x[i] - center_);
-    }
-  }
-
- private:
-  double radius_;
-  Vec3 center_;
-  double margin_;
+  explicit SphereField(double radius, const Vec3& center = {})
+      : FormulaField(
+            [=](const Vec3& x, Vec3& gradient) {
+              gradient = normalized(x - center);
+              return norm(x - center) - radius;
+            },
+            Box3{center - Vec3{1, 1, 1} * (radius + 0.3), center + Vec3{1, 1, 1} * (radius + 0.3)}) {}
 };
 
-/// Torus around z; its values are those of the distance times a factor that varies in space.
-class TorusField : public ScalarField {
+/// Torus around z; its values are the distance times a factor that varies in space.
+class TorusField : public FormulaField {
  public:
-  Box3 bounds() const override { return {{-1.6, -1.6, -0.6}, {1.6, 1.6, 0.6}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3& p = x[i];
-      const double r = std::hypot(p.x, p.y), d = std::hypot(r - 1, p.z), stretch = 1 + 0.3 * p.x;
-      values[i] = stretch * (d - 0.35);
-      if (gradients.empty()) continue;
-      const Vec3 slope{(r - 1) / d * p.x / r, (r - 1) / d * p.y / r, p.z / d};
-      gradients[i] = slope * stretch + Vec3{0.3 * (d - 0.35), 0, 0};
-    }
-  }
+  TorusField()
+      : FormulaField(
+            [](const Vec3& x, Vec3& gradient) {
+              const double d = distance_to_ring(x, gradient) - 0.35, stretch = 1 + 0.3 * x.x;
+              gradient = gradient * stretch + Vec3{0.3 * d, 0, 0};
+              return stretch * d;
+            },
+            Box3{{-1.6, -1.6, -0.6}, {1.6, 1.6, 0.6}}) {}
 };
 
 }  // namespace sansmesh::test

@@ -87,7 +87,7 @@ TEST(SectionField, PlanesThatMissOrOnlyTouch) {
       section_field(sphere, axis_plane(0, 0), {.resolution = 10, .box = Box3{{5, 5, 5}, {6, 6, 6}}}).curves.empty());
 }
 
-TEST(SectionField, WrongGradientsDoNotMislead) {
+TEST(SectionField, ConvergesWithWrongGradients) {
   class Crooked : public test::SphereField {
    public:
     Crooked() : SphereField(1) {}

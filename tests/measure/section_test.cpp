@@ -17,7 +17,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// What every section must satisfy, whatever was cut.
+/// Invariants of every section.
 void expect_consistent(const Section& s) {
   double length = 0, area = 0;
   for (const SectionCurve& c : s.curves) {
@@ -53,7 +53,7 @@ TEST(SectionMesh, SphereIsACircleCounterClockwise) {
   EXPECT_TRUE(section_mesh(sphere, axis_plane(2, 1.5)).curves.empty());
 }
 
-TEST(SectionMesh, HolesRunTheOtherWay) {
+TEST(SectionMesh, HolesAreClockwise) {
   const TriangleMesh torus = test::torus_mesh(200, 100);
   const Section flat = section_mesh(torus, axis_plane(2, 0.01));
   expect_consistent(flat);
@@ -69,8 +69,8 @@ TEST(SectionMesh, HolesRunTheOtherWay) {
 
 TEST(SectionMesh, VerticesEdgesAndFacesInThePlane) {
   const TriangleMesh box = test::box_mesh({0, 0, 0}, {2, 3, 1});
-  // The face on top lies in the plane, with the solid below: it is the section. Seen from the other side the solid lies
-  // above, and there is none.
+  // The top face is in the plane, with the solid below: it is the section. With the opposite normal the solid is above,
+  // and the section is empty.
   const Section top = section_mesh(box, axis_plane(2, 1));
   expect_consistent(top);
   ASSERT_EQ(top.curves.size(), 1u);
@@ -78,7 +78,7 @@ TEST(SectionMesh, VerticesEdgesAndFacesInThePlane) {
   EXPECT_DOUBLE_EQ(top.area, 6);
   EXPECT_DOUBLE_EQ(top.length, 10);
   EXPECT_TRUE(section_mesh(box, axis_plane(2, 0)).curves.empty());
-  // Turned round, the lower face has the solid below.
+  // With the opposite normal the solid is below the lower face.
   EXPECT_DOUBLE_EQ(section_mesh(box, cut_plane({0, 0, -1}, 0)).area, 6);
   // Through two opposite edges.
   const Section diagonal = section_mesh(box, cut_plane({3, -2, 0}, 0));
@@ -95,12 +95,12 @@ TEST(SectionMesh, VerticesEdgesAndFacesInThePlane) {
   EXPECT_TRUE(section_mesh(test::octasphere(2), axis_plane(2, 1)).curves.empty());
 }
 
-TEST(SectionMesh, ClosedMeshesGiveClosedCurvesHoweverTheyAreCut) {
-  // Coordinates on a coarse grid, so that planes often meet vertices, edges and faces exactly.
+TEST(SectionMesh, ClosedMeshesGiveClosedCurves) {
+  // Integer coordinates, so that planes often meet vertices, edges and faces exactly.
   TriangleMesh mesh = test::joined(test::box_mesh({0, 0, 0}, {4, 4, 4}),
                                    test::turned_inside_out(test::box_mesh({1, 1, 1}, {3, 3, 3})), {});
   mesh = test::joined(mesh, test::scaled(test::octasphere(0), 2), {8, 2, 2});
-  mesh = test::joined(mesh, test::box_mesh({4, 0, 0}, {6, 4, 4}), {});  // touches the first in a face
+  mesh = test::joined(mesh, test::box_mesh({4, 0, 0}, {6, 4, 4}), {});  // shares a face with the first
   std::mt19937 random(7);
   std::uniform_int_distribution<int> small(-3, 3);
   int cuts = 0;
@@ -142,7 +142,7 @@ TEST(SectionMesh, OpenMeshesGiveOpenCurves) {
   EXPECT_FALSE(s.closed());
   EXPECT_NEAR(s.length, pi * std::sqrt(1 - 0.301 * 0.301), 0.01);
   EXPECT_EQ(s.area, 0);
-  // From −y to +y around +x: the solid lies left.
+  // From −y to +y around +x: the solid is on the left.
   EXPECT_LT(s.curves[0].points.front().y, 0);
   EXPECT_GT(s.curves[0].points.back().y, 0);
 }

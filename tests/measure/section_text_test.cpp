@@ -44,7 +44,7 @@ TEST(SectionText, CsvHoldsEveryVertex) {
   EXPECT_FALSE(std::getline(rows, row));
 }
 
-TEST(SectionText, SvgHasOneGroupAPlane) {
+TEST(SectionText, SvgHasOneGroupPerPlane) {
   const TriangleMesh torus = test::torus_mesh(20, 10);
   std::vector<Section> sections;
   for (const CutPlane& plane : plane_series(2, -0.5, 0.1, 11)) sections.push_back(section_mesh(torus, plane));
@@ -61,7 +61,7 @@ TEST(SectionText, SvgHasOneGroupAPlane) {
   // All at the same scale.
   const std::size_t matrix = svg.find("matrix(");
   EXPECT_EQ(count_of(svg, svg.substr(matrix, svg.find(" 0 0 ", matrix) - matrix)), 11u);
-  // The planes that miss the torus have no path but their own drawing; the others one path each with all of its curves.
+  // Planes that miss the torus have no path; the others have one path with all of their curves.
   EXPECT_EQ(count_of(svg, "<path fill=\"#c9d5e3\""), 7u);
   EXPECT_EQ(count_of(svg, "Z\n"), 14u);
 }
@@ -76,8 +76,8 @@ TEST(SectionText, TrueToScale) {
   EXPECT_THROW(section_svg(section, {.unit = "furlong"}), ArgumentError);
 }
 
-TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
-  // Renderers place letters of fonts smaller than a few units badly: what a unit is must not matter.
+TEST(SectionText, LettersAreReadableAndFit) {
+  // Renderers misplace letters of fonts smaller than a few units: the layout must not depend on the unit.
   const TriangleMesh torus = test::torus_mesh(20, 10);
   std::vector<Section> sections;
   for (const CutPlane& plane : plane_series(2, -0.2, 0.2, 3)) sections.push_back(section_mesh(torus, plane));
@@ -86,7 +86,7 @@ TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
     const double font = std::stod(svg.substr(svg.find("font-size=\"") + 11));
     EXPECT_GE(font, 7) << unit;
     EXPECT_LE(font, 13) << unit;
-    // The second line of the second drawing ends before the third begins, or below it.
+    // The second line of the second drawing ends before the third drawing, or is below it.
     std::vector<double> left;
     for (std::size_t at = svg.find("<text x=\""); at != std::string::npos; at = svg.find("<text x=\"", at + 1))
       left.push_back(std::stod(svg.substr(at + 9)));
@@ -100,7 +100,7 @@ TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
   EXPECT_NE(section_svg(sections, {.unit = "cm"}).find(" cm\u00B2"), std::string::npos);
 }
 
-TEST(SectionText, FarPlacesAreDrawnRelativeToOneNearby) {
+TEST(SectionText, FarSectionsUseANearbyOrigin) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {5, 3, 1});
   box.origin = {512345, 4054321, 0};
   const Section section[] = {section_mesh(box, axis_plane(2, 0.5))};

@@ -22,7 +22,7 @@ MeasuredPoint ask(const SignedDistance& surface, const Vec3& x, double farthest 
   return found;
 }
 
-/// Signed distance to a box, and whether one point is closest (not two).
+/// Signed distance to a box, and whether the closest point is unique.
 double box_distance(const Vec3& p, const Vec3& low, const Vec3& high) {
   Vec3 out, in;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -32,7 +32,7 @@ double box_distance(const Vec3& p, const Vec3& low, const Vec3& high) {
   return squared_norm(out) > 0 ? norm(out) : -std::min({in.x, in.y, in.z});
 }
 
-TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
+TEST(MeshDistance, IsExactAroundABox) {
   const TriangleMesh box = test::box_mesh({-1, -1, -1}, {1, 2, 3});
   const MeshDistance surface(box);
   std::mt19937 random(1);
@@ -45,7 +45,7 @@ TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
     ASSERT_NEAR(norm(found.point - p), std::abs(truth), 1e-12);
     ASSERT_FALSE(found.border);
   }
-  // Straight off the edges and corners, where the diagonals of the faces end too.
+  // Perpendicular to edges and corners, also at ends of face diagonals.
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner{i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -1.0, i & 4 ? 3.0 : -1.0};
     const Vec3 outward{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
@@ -55,13 +55,13 @@ TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
   }
 }
 
-/// A spike over a notched base: at its foot and tip the closest face's own normal gets the side wrong.
+/// A spike over a notched base: at its foot and tip the normal of the closest face gives the wrong side.
 TEST(MeshDistance, SharpVerticesNeedWeightsByAngle) {
   TriangleMesh spike;
   spike.vertices = {{0, 0, 5}, {1, 0, 0}, {0, 0.2f, 0}, {-1, 0, 0}, {0, -0.2f, 0}};
   spike.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}};
   const MeshDistance surface(spike);
-  // Truth by the generalised winding number: solid angles of the triangles.
+  // Ground truth by the generalised winding number: solid angles of the triangles.
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   int inside = 0;
@@ -105,8 +105,8 @@ TEST(MeshDistance, SoupsAreJoinedByPosition) {
   }
 }
 
-TEST(MeshDistance, DegenerateTrianglesHaveNoSay) {
-  // A corner of an edge's neighbours in its middle, closed by a triangle without area.
+TEST(MeshDistance, DegenerateTrianglesHaveNoEffect) {
+  // A vertex in the middle of an edge of its neighbours, closed by a triangle without area.
   TriangleMesh box = test::box_mesh({0, 0, 0}, {2, 1, 1});
   box.vertices.push_back({1, 1, 1});  // 8, on the edge 6-7
   for (Triangle& t : box.triangles)
@@ -170,7 +170,7 @@ TEST(MeshDistance, NothingToMeasureFrom) {
   EXPECT_TRUE(std::isnan(ask(FieldDistance(sphere), {0, NAN, 0}).distance));
 }
 
-TEST(PointsDistance, SamplesStandForTheSurfaceBetweenThem) {
+TEST(PointsDistance, ApproximatesTheSurfaceBetweenSamples) {
   TriangleMesh sphere = test::octasphere(5);
   sphere.normals = sphere.vertices;
   sphere.triangles.clear();
@@ -183,7 +183,7 @@ TEST(PointsDistance, SamplesStandForTheSurfaceBetweenThem) {
   for (int i = 0; i < 5000; ++i) {
     const double r = radius(random);
     const Vec3 p = Vec3{10, 0, 0} + normalized(Vec3{normal(random), normal(random), normal(random)}) * r;
-    // Samples are 0.05 apart; the tangent plane differs from the sphere by the square of half of that.
+    // Samples are 0.05 apart; the tangent plane deviates from the sphere by the square of half of that.
     ASSERT_NEAR(ask(surface, p).distance, r - 1, 1.5e-3);
   }
   EXPECT_NEAR(ask(surface, {13, 0, 0}).distance, 2, 1e-2);
@@ -235,15 +235,15 @@ TEST(FieldDistance, AgreesWithTheMesh) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 p{wide(random), wide(random), 0.4 * wide(random)};
     const double a = ask(field, p).distance, b = ask(triangles, p).distance;
-    if (std::isnan(a) || std::hypot(p.x, p.y) < 0.3) continue;  // near the axis two sides are as close
-    if (std::abs(b + 0.35) < 0.05) continue;                    // and in the middle of the tube all
+    if (std::isnan(a) || std::hypot(p.x, p.y) < 0.3) continue;  // near the axis two sides are equally close
+    if (std::abs(b + 0.35) < 0.05) continue;                    // and in the middle of the tube all are
     ++compared;
     ASSERT_NEAR(a, b, 1e-3) << p.x << ' ' << p.y << ' ' << p.z;
   }
   EXPECT_GT(compared, 2000);
 }
 
-TEST(FieldDistance, FarPointsAreNotFollowed) {
+TEST(FieldDistance, StopsAtFarPoints) {
   const test::SphereField sphere(1);
   const FieldDistance kept(sphere);
   EXPECT_TRUE(std::isnan(ask(kept, {3, 0, 0}, 0.5).distance));
@@ -266,8 +266,8 @@ std::vector<MeasuredPoint> ask_all(const SignedDistance& surface, const std::vec
   return found;
 }
 
-/// Values of fitted functions are floats: Newton's steps end in noise, which must count as having arrived.
-TEST(FieldDistance, FittedFunctionsAreMeasuredAtAllOfTheirSamples) {
+/// Values of fitted functions are floats: Newton's steps end in noise, which must count as convergence.
+TEST(FieldDistance, ConvergesAtAllSamplesOfFittedFunctions) {
   const double noise = 0.02;
   PointSet cloud = test::sphere(6000);
   std::mt19937 random(8);
@@ -327,21 +327,14 @@ TEST(FieldDistance, FittedFunctionAgainstItself) {
   EXPECT_EQ(measured, x.size());
 }
 
-/// Steep here, flat there, with noise as of floats: gradients that mislead, but signs that are right.
-class RoughField : public ScalarField {
- public:
-  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double d = norm(x[i]) - 1;
-      values[i] = std::cbrt(d) * (1 + 1e-7 * std::sin(1e9 * x[i].x));
-      if (!gradients.empty()) gradients[i] = normalized(x[i]) * (1 / (3 * std::max(1e-12, std::cbrt(d * d))));
-    }
-  }
-};
-
-TEST(FieldDistance, SignsLeadWhereNewtonDoesNot) {
-  const RoughField rough;  // Newton's step from d leads to −2 d; 1e-6 of the diagonal is 7e-6
+TEST(FieldDistance, BisectsWhereNewtonFails) {
+  // Steep and flat regions and float-like noise: wrong gradients, but correct signs. Newton's step from d leads to −2
+  // d.
+  const test::FormulaField rough([](const Vec3& x, Vec3& gradient) {
+    const double d = norm(x) - 1;
+    gradient = normalized(x) * (1 / (3 * std::max(1e-12, std::cbrt(d * d))));
+    return std::cbrt(d) * (1 + 1e-7 * std::sin(1e9 * x.x));
+  });
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> radius(0.2, 4);
@@ -353,32 +346,26 @@ TEST(FieldDistance, SignsLeadWhereNewtonDoesNot) {
     truth.push_back(r - 1);
   }
   const std::vector<MeasuredPoint> found = ask_all(FieldDistance(rough), x);
-  for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(found[i].distance, truth[i], 7e-6) << i;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    ASSERT_NEAR(found[i].distance, truth[i], 7e-6) << i;  // 1e-6 of the diagonal
 }
 
-/// Two balls in a row: from beyond one, a long step leads to the other.
-class TwoBalls : public ScalarField {
- public:
-  Box3 bounds() const override { return {{-4, -2, -2}, {4, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3 to{std::abs(x[i].x) - 1, x[i].y, x[i].z};
-      // Flat, so that every step is several times too long.
-      const double d = norm(to) - 0.5, flat = std::tanh(d);
-      values[i] = flat;
-      if (!gradients.empty())
-        gradients[i] = Vec3{std::copysign(to.x, x[i].x * to.x), to.y, to.z} * ((1 - flat * flat) / norm(to));
-    }
-  }
-};
-
-TEST(FieldDistance, NoPartIsSteppedOver) {
-  const TwoBalls balls;
+TEST(FieldDistance, SkipsNoPartOfTheSurface) {
+  // Two balls in a row: from beyond one, a long step leads to the other. Flat, so that every step is several times too
+  // long.
+  const test::FormulaField balls(
+      [](const Vec3& x, Vec3& gradient) {
+        const Vec3 to{std::abs(x.x) - 1, x.y, x.z};
+        const double flat = std::tanh(norm(to) - 0.5);
+        gradient = Vec3{std::copysign(to.x, x.x * to.x), to.y, to.z} * ((1 - flat * flat) / norm(to));
+        return flat;
+      },
+      Box3{{-4, -2, -2}, {4, 2, 2}});
   const FieldDistance surface(balls);
   for (const double x : {1.6, 2.0, 2.5, 3.0, 4.0, 6.0}) EXPECT_NEAR(ask(surface, {x, 0, 0}).distance, x - 1.5, 1e-6);
 }
 
-TEST(FieldDistance, FarAndLostAreToldApart) {
+TEST(FieldDistance, DistinguishesFarAndLostPoints) {
   const test::SphereField sphere(1);
   const FieldDistance surface(sphere);
   EXPECT_FALSE(ask(surface, {3, 0, 0}, 0.5).lost);

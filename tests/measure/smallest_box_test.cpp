@@ -46,7 +46,7 @@ Axes random_axes(std::mt19937& random) {
   return {u, v, cross(u, v)};
 }
 
-/// The least of very many frames, the best of them turned on at random as long as that helps.
+/// The smallest of very many frames; random rotations improve the best of them.
 double brute_force(const std::vector<Vec3f>& points, std::mt19937& random) {
   double least = volume_along(points, kUpright);
   std::normal_distribution<double> normal;
@@ -85,7 +85,7 @@ void expect_holds(const OrientedBox& box, const std::vector<Vec3f>& points) {
   EXPECT_GE(box.sizes[1], box.sizes[2]);
 }
 
-TEST(SmallestBox, OfATorusIsNoLargerThanTheUprightOrThatAlongItsAxes) {
+TEST(SmallestBox, OfATorusIsNoLargerThanAlignedBoxes) {
   const TriangleMesh torus = test::torus_mesh(80, 30);
   for (const double angle : {0.0, 0.3, 1.1, 2.9}) {
     for (const Vec3& axis : {Vec3{1, 2, 3}, Vec3{0, 0, 1}}) {
@@ -135,7 +135,7 @@ TEST(SmallestBox, OfAFlatSheetIsItsRectangle) {
   EXPECT_NEAR(box.sizes[2], 0, 1e-5);
 }
 
-TEST(SmallestBox, IsNotLargerThanWhatIsGiven) {
+TEST(SmallestBox, IsNoLargerThanGivenBoxes) {
   const std::vector<Vec3f> points = turned(test::octasphere(3).vertices, {1, 1, 3}, 0.5);
   std::mt19937 random(7);
   for (int i = 0; i < 5; ++i) {
@@ -144,7 +144,7 @@ TEST(SmallestBox, IsNotLargerThanWhatIsGiven) {
   }
 }
 
-TEST(SmallestBox, OfHardlyAnything) {
+TEST(SmallestBox, OfFewPoints) {
   EXPECT_THROW(smallest_box({}), DataError);
   EXPECT_EQ(smallest_box({{1, 2, 3}}).center, (Vec3{1, 2, 3}));
   EXPECT_NEAR(smallest_box({{0, 0, 0}, {1, 1, 1}}).sizes[2], 0, 1e-6);

@@ -20,7 +20,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// A shape without symmetries, about 2 large.
+/// Shape without symmetries, of size about 2.
 TriangleMesh potato(int levels = 5) {
   TriangleMesh mesh = octasphere(levels);
   for (Vec3f& v : mesh.vertices) {
@@ -32,7 +32,7 @@ TriangleMesh potato(int levels = 5) {
   return mesh;
 }
 
-/// The part of it on one side of a plane.
+/// Part on one side of a plane.
 TriangleMesh side_of(TriangleMesh mesh, const Vec3f& n, float least) {
   std::vector<std::uint8_t> keep;
   for (const Triangle& t : mesh.triangles) keep.push_back(dot(n, mesh.vertices[t[0]]) > least);
@@ -53,7 +53,7 @@ AffineMap far_motion(double degrees) {
   return AffineMap::translation({40, -7, 12}).after(AffineMap::rotation({1, 2, -0.5}, degrees));
 }
 
-/// How far the found motion leaves the vertices of `placed` from where they were in `own`, at most.
+/// Largest distance of the aligned vertices of `placed` from their positions in `own`.
 double largest_error(const SurfaceAlignment& found, const TriangleMesh& placed, const TriangleMesh& own) {
   double most = 0;
   for (std::size_t v = 0; v < own.vertices.size(); ++v)
@@ -121,14 +121,14 @@ TEST(AlignSurfaces, NoisyPointsFromAnywhereOnAnyThreads) {
   });
 }
 
-/// More points than are looked at, of both sides.
+/// More points than the alignment uses, on both sides.
 TEST(AlignSurfaces, ManyPointsWithoutNormals) {
   const TriangleMesh own = noisy_points(potato(8), 0.005f);
   ASSERT_GT(own.vertices.size(), 200000u);
   TriangleMesh fixed = own, moving;
   fixed.vertices.clear();
   for (std::size_t v = 0; v < own.vertices.size(); ++v)
-    (v % 4 == 1 ? moving : fixed).vertices.push_back(own.vertices[v]);  // no point is on both sides
+    (v % 4 == 1 ? moving : fixed).vertices.push_back(own.vertices[v]);  // the sides have no point in common
   const TriangleMesh there = moving;
   transform(moving, AffineMap::translation({0.05, -0.03, 0.08}).after(AffineMap::rotation({0, 1, 1}, 8)));
   Progress progress;
@@ -170,12 +170,12 @@ TEST(AlignSurfaces, WhatTheShapeDoesNotTell) {
   TriangleMesh ball = octasphere(5);
   EXPECT_EQ(align_surfaces(ball, octasphere(4), options, progress).free_motions, 3);
 
-  // Another ball slides for as long as it is let; that ends when it comes no nearer.
+  // Another ball can slide without end; the fit stops when distances no longer decrease.
   TriangleMesh other = octasphere(4);
   transform(other, AffineMap::rotation({1, 2, 3}, 50));
   EXPECT_LT(align_surfaces(ball, other, options, progress).iterations, 60);
 
-  // Every face twice, back to back: sides say nothing, and all of it lies on itself.
+  // Every face twice, back to back: sides are undefined, and the surface fits itself.
   TriangleMesh both = potato(3);
   for (const Triangle& t : potato(3).triangles) both.triangles.push_back({t[0], t[2], t[1]});
   const SurfaceAlignment itself = align_surfaces(both, both, options, progress);
@@ -229,7 +229,7 @@ TEST(PointFeatures, DoNotChangeWhenMoved) {
       worst += std::abs(here[i][k] - there[i][k]);
       apart += std::abs(here[i][k] - here[(i + 7) % here.size()][k]);
     }
-  EXPECT_LT(worst, 0.05 * apart);  // pairs on the limits of bins apart
+  EXPECT_LT(worst, 0.05 * apart);  // pairs at bin limits excepted
   for (const PointFeature& f : here)
     for (std::size_t part = 0; part < 3; ++part) {
       float sum = 0;

@@ -31,7 +31,7 @@ TEST(Arrows, AreAPrismAndAPyramidAlongTheVector) {
     const MeshTopology topology = measure_topology(mesh);
     EXPECT_TRUE(topology.closed());
     EXPECT_EQ(topology.genus(), 0);
-    // Of length 6.
+    // Length 6.
     const double of_radius = 0.5 * sides * std::sin(2 * std::numbers::pi / sides);
     const double shaft = of_radius * 0.3 * 0.3 * 4.5, head = of_radius * 0.6 * 0.6 * 1.5 / 3;
     EXPECT_NEAR(measure_size(mesh).volume, shaft + head, 1e-5);
@@ -80,7 +80,7 @@ TEST(Arrows, RefuseBadInput) {
 TEST(SpreadVertices, AreNoNearerThanTheSpacingAndLeaveNoGaps) {
   TriangleMesh mesh = test::torus_mesh(60, 120);
   const auto used = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.push_back({100, 0, 0});  // of no triangle
+  mesh.vertices.push_back({100, 0, 0});  // unused
   const double spacing = 0.2;
   const std::vector<std::uint32_t> chosen = spread_vertices(mesh, spacing);
   ASSERT_GT(chosen.size(), 50u);

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// [-1, 1]² in the plane, in n × n squares of two triangles.
+/// [-1, 1]² in the plane as n × n squares of two triangles.
 TriangleMesh sheet(std::uint32_t n) {
   TriangleMesh mesh;
   const float h = 2.0f / static_cast<float>(n);
@@ -38,7 +38,7 @@ TEST(ClipMesh, KeepsTheDiscWhereAFunctionIsPositive) {
     const MeshTopology topology = measure_topology(mesh);
     EXPECT_EQ(topology.components, 1u);
     EXPECT_TRUE(topology.manifold());
-    // Its border is the circle.
+    // The border is the circle.
     double farthest = 0;
     for (const Vec3f& v : mesh.vertices) farthest = std::max(farthest, static_cast<double>(norm(v)));
     EXPECT_NEAR(farthest, 0.7, 0.002) << snap;
@@ -70,7 +70,7 @@ TEST(ClipMesh, CuttingOutABoxIsWhatClippingLeavesOut) {
     const Vec3f m = (out.vertices[t[0]] + out.vertices[t[1]] + out.vertices[t[2]]) * (1.0f / 3);
     EXPECT_FALSE(m.x > box.lower.x && m.x < box.upper.x && m.y > box.lower.y && m.y < box.upper.y);
   }
-  // One sheet with one hole, no cracks along the cuts; triangles far from the box are what they were.
+  // One sheet with one hole, without cracks along the cuts; triangles far from the box are unchanged.
   const MeshTopology topology = measure_topology(out);
   EXPECT_TRUE(topology.manifold());
   EXPECT_EQ(topology.components, 1u);

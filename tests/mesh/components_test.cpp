@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A tetrahedron of edge about `size` at (x, 0, 0), appended.
+/// Appends a tetrahedron with edges of about `size` at (x, 0, 0).
 void add_tetrahedron(TriangleMesh& mesh, float x, float size) {
   const auto o = static_cast<std::uint32_t>(mesh.vertices.size());
   for (const Vec3f& p : {Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}}) {
@@ -48,7 +48,7 @@ TEST(Components, KeepingSomeTrianglesKeepsTheirVerticesAndAttributes) {
 TEST(Components, SplitTakesEverythingAlongAndLeavesUnusedVertices) {
   TriangleMesh mesh;
   add_tetrahedron(mesh, 0, 1);
-  mesh.vertices.push_back({9, 9, 9});  // in no triangle
+  mesh.vertices.push_back({9, 9, 9});  // unused
   mesh.colors.push_back({99, 0, 0});
   add_tetrahedron(mesh, 5, 3);
   mesh.origin = {1e6, 0, 0};
@@ -74,7 +74,7 @@ TEST(Components, FansThatMeetInAVertexAreSeparated) {
   add_tetrahedron(mesh, 5, 3);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t)
-      if (v == 4) v = 0;  // glue them at a vertex
+      if (v == 4) v = 0;  // merges two vertices
   ASSERT_EQ(test::topology_of(mesh).bad_vertices, 1u);
   separate_fans(mesh);
   EXPECT_TRUE(test::topology_of(mesh).closed_manifold());

@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-/// A tall bar of 12 triangles with an array of vertices and one of triangles.
+/// Tall bar of 12 triangles with a vertex array and a triangle array.
 TriangleMesh bar() {
   TriangleMesh mesh;
   for (int c = 0; c < 8; ++c)
@@ -43,20 +43,20 @@ TEST(DeformedMesh, LongEdgesAreCutWhereTheMapBendsThem) {
     EXPECT_TRUE(report.fine);
     EXPECT_EQ(report.added + 12, mesh.triangles.size());
     EXPECT_TRUE(topology_of(mesh).closed_manifold());
-    // The height is a coordinate that a twist leaves alone; arrays went with their vertices.
+    // A twist does not change heights; arrays follow their vertices.
     const auto& heights = *mesh.attributes.find<float>("height");
     ASSERT_EQ(heights.size(), mesh.vertices.size());
     for (std::size_t v = 0; v < heights.size(); ++v) ASSERT_NEAR(heights[v], mesh.vertices[v].z, 1e-5);
     EXPECT_EQ(mesh.triangle_attributes.find("face")->rows(), mesh.triangles.size());
-    // The volume is that of the bar, to what chords leave out.
+    // The volume is that of the bar, up to the error of chords.
     double volume = 0;
     for (const Triangle& t : mesh.triangles)
       volume += dot(Vec3(mesh.vertices[t[0]]), cross(Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]))) / 6;
     EXPECT_NEAR(volume, 4, 6 * bend);
-    // No middle of an edge is farther off than asked for.
+    // Edge midpoints are within the tolerance.
     for (const Triangle& t : mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
-        // Back through the twist the other way round, the ends lie on the bar again.
+        // The inverse twist maps the ends back onto the bar.
         const Vec3 a(mesh.vertices[t[k]]), b(mesh.vertices[t[(k + 1) % 3]]);
         const Vec3 ends[2] = {a, b};
         Vec3 before[2], middle;
@@ -83,7 +83,7 @@ TEST(DeformedMesh, NormalsStayAtRightAngles) {
     const auto n = static_cast<std::uint32_t>(soup.vertices.size());
     soup.triangles.push_back({n - 3, n - 2, n - 1});
   }
-  // A shear, and a reflection, in which triangles turn their other side outwards: so do the normals.
+  // A shear, and a reflection, which reverses triangles and normals.
   for (const double sign : {1.0, -1.0}) {
     const test::AffineSpaceMap map({Vec3{2, 0.3, 0}, Vec3{-0.7, 1, 0.4}, Vec3{0.2, 0, sign * 0.5}}, {3, 2, 1});
     MeshDeformReport report;

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
@@ -15,7 +15,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// Without the triangles whose middle fulfils `goes`.
+/// Removes the triangles whose centre fulfils `goes`.
 TriangleMesh without(TriangleMesh mesh, const std::function<bool(const Vec3f&)>& goes) {
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     return goes((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.f);
@@ -44,7 +44,7 @@ TEST(FillHoles, ASphereBecomesOneAgain) {
   EXPECT_EQ(report.filled, 3u);
   EXPECT_TRUE(measure_topology(mesh).closed());
   EXPECT_GT(report.vertices, 50u);
-  // The cap over the widest hole is 0.1 high: it is filled like a sphere, not like a drum.
+  // The cap over the widest hole is 0.1 high: its filling is spherical, not flat.
   double worst = 0;
   for (std::size_t v = old; v < mesh.vertices.size(); ++v) {
     worst = std::max(worst, std::abs(static_cast<double>(norm(mesh.vertices[v])) - 1));
@@ -89,7 +89,7 @@ TEST(FillHoles, BySize) {
   FillOptions all;
   all.all = true;
   EXPECT_EQ(filled(all), 3u);
-  EXPECT_LT(filled({}), 3u);  // the widest is a third of the sphere
+  EXPECT_LT(filled({}), 3u);  // the widest hole is a third of the sphere
 }
 
 TEST(FillHoles, OuterBordersStay) {
@@ -101,7 +101,7 @@ TEST(FillHoles, OuterBordersStay) {
   EXPECT_EQ(measure_topology(sheet).boundary_loops, 1u);
 }
 
-/// A tube of radius 1 around z, open at both ends, with a hole in its side.
+/// Tube of radius 1 around z, open at both ends, with a hole in its side.
 TriangleMesh tube_with_a_hole() {
   TriangleMesh tube;
   const std::uint32_t around = 32, along = 60;
@@ -119,7 +119,7 @@ TriangleMesh tube_with_a_hole() {
 }
 
 TEST(FillHoles, EndsStayOpenUnlessAskedFor) {
-  // The ends measure 12 % of the tube: below the limit, but they are no holes.
+  // The ends measure 12 % of the tube: below the limit, but they are not holes.
   TriangleMesh tube = tube_with_a_hole();
   Progress progress;
   const FillReport report = fill_holes(tube, {}, progress);
@@ -140,7 +140,7 @@ TEST(FillHoles, EndsStayOpenUnlessAskedFor) {
 }
 
 TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
-  // Two triangles that share a vertex are gone: two holes of three edges, not one of six.
+  // Two triangles with a common vertex are missing: two holes of three edges, not one of six.
   TriangleMesh two = octasphere(3);
   const Triangle first = two.triangles[0];
   std::size_t other = 1;
@@ -160,7 +160,7 @@ TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
   EXPECT_EQ(fill_holes(two, {}, progress).filled, 2u);
   EXPECT_TRUE(measure_topology(two).closed());
 
-  // A soup of the same places has no holes, and becomes one mesh.
+  // A triangle soup without gaps has no holes, and becomes one mesh.
   TriangleMesh soup;
   for (const Triangle& t : octasphere(2).triangles) {
     const auto base = static_cast<std::uint32_t>(soup.vertices.size());
@@ -168,10 +168,10 @@ TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
     soup.triangles.push_back({base, base + 1, base + 2});
   }
   EXPECT_EQ(find_holes(soup).loops.size(), 0u);
-  EXPECT_GT(join_places(soup).joined, 0u);
+  EXPECT_GT(join_equal_vertices(soup).joined, 0u);
   EXPECT_TRUE(measure_topology(soup).closed());
 
-  // More edges than are looked at at once.
+  // A loop too long for the exact algorithm.
   TriangleMesh cut = without(torus_mesh(300, 12), [](const Vec3f& p) { return p.z > 0.25f; });
   FillOptions all;
   all.all = true;
@@ -183,7 +183,7 @@ TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
 
 TEST(FillHoles, WhatIsNotManifoldIsNamed) {
   TriangleMesh fins = without(octasphere(3), [](const Vec3f& p) { return p.z > 0.95f; });
-  // A fin on an edge of the border: there the border has no single way on.
+  // A fin on a border edge: the border branches there.
   const HoleLoop loop = find_holes(fins).loops[0];
   fins.vertices.push_back({0, 0, 3});
   const auto tip = static_cast<std::uint32_t>(fins.vertices.size() - 1);

@@ -1,4 +1,4 @@
-// Attributes follow the vertices and triangles of a mesh through every operation.
+// Attributes follow the vertices and triangles of a mesh in every operation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ double linear(const Vec3f& v) {
   return 3 * static_cast<double>(v.x) - 2 * static_cast<double>(v.y) + static_cast<double>(v.z) + 7;
 }
 
-/// A flat square of unit triangles, n × n × 2, with a linear function of the position (alone, and in the second of two
-/// components), the vertex's number and the triangle's number.
+/// Flat square of n × n × 2 unit triangles, with a linear function of the position (alone, and as the second of two
+/// components), vertex numbers and triangle numbers.
 TriangleMesh square(std::uint32_t n) {
   TriangleMesh mesh;
   std::vector<float> value;
@@ -49,8 +49,8 @@ TriangleMesh square(std::uint32_t n) {
   return mesh;
 }
 
-/// What holds after any operation on that square: linear functions stay so, numbers are those of vertices near by,
-/// triangles lie in the one that they were part of.
+/// Invariants of every operation on that square: linear functions stay linear, numbers are those of nearby vertices,
+/// triangles are inside their original ones.
 void expect_followed(const TriangleMesh& mesh, const TriangleMesh& before, double tolerance, float nearest) {
   ASSERT_NO_THROW(mesh.attributes.check_rows(mesh.vertices.size(), "vertices"));
   ASSERT_NO_THROW(mesh.triangle_attributes.check_rows(mesh.triangles.size(), "triangles"));
@@ -110,7 +110,7 @@ TEST(MeshAttributes, FollowTheTrianglesThatAreKept) {
 }
 
 TEST(MeshAttributes, FollowFansThatAreCutApart) {
-  // Two triangles that share a corner only.
+  // Two triangles with one common corner.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
@@ -128,7 +128,7 @@ TEST(MeshAttributes, FollowSimplification) {
     Progress progress;
     ASSERT_TRUE(simplify_mesh(mesh, {.error = 1e-3, .triangles = 900}, progress));
     ASSERT_LT(mesh.triangles.size(), before.triangles.size() / 2);
-    // On a flat mesh a merged vertex lies where the mean of the merged ones, weighted by area, does.
+    // On a flat mesh, a merged vertex is at the area-weighted mean of the merged ones.
     expect_followed(mesh, before, 1e-3, 6);
     const auto& triangle = *mesh.triangle_attributes.find<std::int16_t>("triangle");
     EXPECT_TRUE(std::is_sorted(triangle.begin(), triangle.end()));

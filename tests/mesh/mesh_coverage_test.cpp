@@ -20,7 +20,7 @@ MeshCoverage coverage(const TriangleMesh& mesh, const PointSet& samples, std::si
   return measure_coverage(mesh, samples, places, progress);
 }
 
-/// Samples of [0, width] × [0, 1], hardly shifted off a lattice of n × n in each unit square.
+/// Samples of [0, width] × [0, 1]: a lattice of n × n per unit square with small random shifts.
 PointSet sheet_samples(int n, int width = 1) {
   PointSet cloud;
   for (int i = 0; i < n * width; ++i)
@@ -44,7 +44,7 @@ TEST(MeshCoverage, HalfOfASheetWithoutSamplesIsInventedHoweverLargeItsTriangles)
   const int n = 100;
   const MeshCoverage c = coverage(rectangle(2), sheet_samples(n));
   EXPECT_NEAR(c.spacing, 1.0 / n, 0.1 / n);
-  // The border of what was seen is four spacings wide.
+  // The tolerance at the border of the samples is four spacings.
   EXPECT_NEAR(c.invented.share, 0.5 - 0.5 * c.invented.beyond, 0.005);
   EXPECT_NEAR(c.invented.beyond, 4 * c.spacing, 1e-12);
   EXPECT_EQ(c.lost.share, 0);
@@ -74,7 +74,7 @@ TEST(MeshCoverage, ThereIsNothingToSayOfAWholeSurface) {
 }
 
 TEST(MeshCoverage, NoiseIsNotLost) {
-  // Four times the noise is far more than two spacings here: of Gaussian noise one in 16,000 is beyond.
+  // Four times the noise is far more than two spacings here; of Gaussian noise, one sample in 16,000 is beyond.
   const MeshCoverage c = coverage(test::octasphere(5), test::sphere(20000, 0.05));
   EXPECT_GT(c.lost.beyond, 3 * c.spacing);
   EXPECT_LT(c.lost.share, 0.001);

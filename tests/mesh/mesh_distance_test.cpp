@@ -88,7 +88,7 @@ TEST(MeshDistance, ConcentricSpheres) {
     EXPECT_NEAR(way.rms, 0.1, 1e-3);
     EXPECT_NEAR(way.p95, 0.1, 1e-3);
     EXPECT_NEAR(way.max, 0.1, 1e-3);
-    EXPECT_LT(*way.angle, 1.5);  // the triangles' tilt against each other
+    EXPECT_LT(*way.angle, 1.5);  // angle between neighbouring triangles
     EXPECT_EQ(way.samples, 20000u);
   }
   EXPECT_NEAR(d.diagonal, 2 * std::sqrt(3.0), 1e-5);
@@ -149,7 +149,7 @@ TEST(MeshDistance, OriginsMayDiffer) {
 }
 
 TEST(MeshDistance, SamplesAreEvenInArea) {
-  // A fine and a coarse square side by side: the mean of the distance to a plane shows where the samples lie.
+  // A fine and a coarse square side by side: the mean distance to a plane shows the distribution of the samples.
   TriangleMesh mesh;
   for (int i = 0; i <= 32; ++i)
     for (int j = 0; j <= 32; ++j) mesh.vertices.push_back({static_cast<float>(i) / 32, static_cast<float>(j) / 32, 0});

@@ -17,7 +17,7 @@ TEST(MeshSize, OfATetrahedronAnywhere) {
     mesh.vertices = {at, at + Vec3f{2, 0, 0}, at + Vec3f{0, 3, 0}, at + Vec3f{0, 0, 4}};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const MeshSize size = measure_size(mesh);
-    // Three right triangles, and the slanted one by de Gua's theorem.
+    // Three right triangles, and the oblique one by de Gua's theorem.
     EXPECT_DOUBLE_EQ(size.area, 3 + 4 + 6 + std::sqrt(9.0 + 16 + 36));
     EXPECT_DOUBLE_EQ(size.volume, 4);
     for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);

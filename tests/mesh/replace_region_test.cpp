@@ -1,5 +1,6 @@
-// A region of a mesh replaced by that of another, where they differ.
 #include "sansmesh/mesh/edit/replace_region.h"
+// A region of a mesh replaced by that of another, where they differ.
+// Replacement of a changed region of a mesh.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@ namespace {
 
 using namespace test;
 
-/// A flat lattice of n × n squares of edge 1; heights at its vertices.
+/// Flat lattice of n × n unit squares with heights at its vertices.
 template <class Height>
 TriangleMesh lattice(std::uint32_t n, Height&& height, std::uint32_t from = 0) {
   TriangleMesh mesh;
@@ -63,7 +64,7 @@ TEST(ReplaceRegion, TakesNothingWhereTheyAgree) {
 }
 
 TEST(ReplaceRegion, LeavesDifferencesAwayFromTheChange) {
-  // The patch differs at the hill, and at a bump elsewhere: that one is an accident of how it was made.
+  // The patch differs at the hill, and accidentally at a bump elsewhere.
   const auto bump = [](float x, float y) { return hill(x, y) + (x == 5 && y == 5 ? 0.5f : 0.0f); };
   TriangleMesh mesh = lattice(20, flat);
   const RegionReplacement r = replace_region(mesh, lattice(14, bump, 3), kSound, kHill, 1e-3f);
@@ -80,7 +81,7 @@ TEST(ReplaceRegion, FailsWhereAPieceReachesOut) {
   EXPECT_FALSE(r.done);
   EXPECT_EQ(mesh.triangles, before.triangles);
   EXPECT_EQ(mesh.vertices, before.vertices);
-  // A patch of something else.
+  // A patch of a different surface.
   r = replace_region(mesh,
                      lattice(
                          14, [](float, float) { return 0.3f; }, 3),
@@ -93,7 +94,7 @@ TEST(ReplaceRegion, FailsWhereAPieceReachesOut) {
 }
 
 TEST(ReplaceRegion, SeveralRegionsAtOnceAndThoseThatCannotBeJoinedStay) {
-  // A hill, and a ridge that reaches out of its region.
+  // A hill, and a ridge that extends beyond its region.
   const auto height = [](float x, float y) { return x < 20 ? hill(x, y) : x == 32 ? 1.0f : 0.0f; };
   const TriangleMesh before = lattice(40, flat);
   const std::vector<Box3f> sound{kSound[0], Box3f{{26, 4, -9}, {38, 16, 9}}},
@@ -103,12 +104,12 @@ TEST(ReplaceRegion, SeveralRegionsAtOnceAndThoseThatCannotBeJoinedStay) {
   EXPECT_FALSE(r.done);
   EXPECT_EQ(r.spoiled, (std::vector<std::uint8_t>{0, 1}));
   EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(40, hill)));
-  // In two boxes that overlap, neither of which holds all of the hill.
+  // Two overlapping boxes, neither of which contains the whole hill.
   mesh = before;
   const std::vector<Box3f> halves{Box3f{{4, 4, -9}, {11, 16, 9}}, Box3f{{9, 4, -9}, {16, 16, 9}}};
   EXPECT_TRUE(replace_region(mesh, lattice(40, hill), halves, kHill, 1e-3f).done);
   EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(40, hill)));
-  // Nothing is done where the two do not agree well enough.
+  // Insufficient agreement: nothing is replaced.
   mesh = before;
   const auto other = [](float x, float y) { return hill(x, y) + (x < 9 && y < 9 ? 0.5f : 0.0f); };
   const RegionReplacement poor = replace_region(mesh, lattice(40, other), kSound, kHill, 1e-3f, 0.99);
@@ -118,7 +119,7 @@ TEST(ReplaceRegion, SeveralRegionsAtOnceAndThoseThatCannotBeJoinedStay) {
 }
 
 TEST(ReplaceRegion, WholeComponents) {
-  // Two spheres, one of which goes; then comes back.
+  // Two spheres, one of which disappears and then reappears.
   const TriangleMesh small = octasphere(2), both = joined(octasphere(3), small, {3, 0, 0});
   const std::vector<Box3f> around{Box3f{{1.9f, -1.1f, -1.1f}, {4.1f, 1.1f, 1.1f}}},
       sound{Box3f{{1.5f, -2, -2}, {5, 2, 2}}};
@@ -135,7 +136,7 @@ TEST(ReplaceRegion, WholeComponents) {
 }
 
 TEST(ReplaceRegion, ToleratesRoundingButNotCoincidence) {
-  // Vertices a little off are the same, and each is the same as one only.
+  // Slightly different vertices match one to one.
   TriangleMesh mesh = lattice(20, flat);
   TriangleMesh patch = lattice(14, hill, 3);
   std::mt19937 random(8);
@@ -146,7 +147,7 @@ TEST(ReplaceRegion, ToleratesRoundingButNotCoincidence) {
   EXPECT_TRUE(topology.manifold() && topology.oriented());
   EXPECT_EQ(topology.boundary_loops, 1u);
 
-  // Triangles smaller than the tolerance: no two of their vertices become one.
+  // Triangles smaller than the tolerance: none of their vertices are merged.
   TriangleMesh fine = lattice(20, flat);
   const RegionReplacement r = replace_region(fine, patch, kSound, kHill, 1.5f);
   const MeshTopology now = measure_topology(fine);
@@ -162,7 +163,7 @@ TEST(ReplaceRegion, AttributesComeAlong) {
   patch.triangle_attributes.set("part", std::vector<std::uint8_t>(patch.triangles.size(), 2));
   mesh.colors.assign(mesh.vertices.size(), {1, 2, 3});
   patch.normals.assign(patch.vertices.size(), {1, 0, 0});
-  patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no attributes of vertices
+  patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no vertex attributes
   ASSERT_TRUE(replace_region(mesh, patch, kSound, kHill, 1e-3f).done);
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   const auto& quality = *mesh.attributes.find<float>("quality");

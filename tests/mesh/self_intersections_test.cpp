@@ -23,7 +23,7 @@ TriangleMesh tetrahedra(const std::vector<Vec3f>& at, float size) {
 TEST(SelfIntersections, FindsEdgesThroughTriangles) {
   EXPECT_TRUE(self_intersections({}, 0).empty());
   EXPECT_TRUE(self_intersections(tetrahedra({{0, 0, 0}}, 1), 0).empty());
-  // A row of many beside each other, two of which overlap.
+  // A row of many, two of which overlap.
   std::vector<Vec3f> row;
   for (int i = 0; i < 200; ++i) row.push_back({1.1f * static_cast<float>(i), 0, 0});
   EXPECT_TRUE(self_intersections(tetrahedra(row, 1), 0).empty());
@@ -36,7 +36,7 @@ TEST(SelfIntersections, FindsEdgesThroughTriangles) {
     EXPECT_EQ(a / 4, 119u);
     EXPECT_EQ(b / 4, 120u);
   }
-  // The same when they are only counted.
+  // Same, by counting only.
   std::vector<std::array<std::uint32_t, 2>> seen;
   std::mutex mutex;
   const std::size_t count = count_self_intersections(tetrahedra(row, 1), 0, [&](std::uint32_t a, std::uint32_t b) {
@@ -46,7 +46,7 @@ TEST(SelfIntersections, FindsEdgesThroughTriangles) {
   std::sort(seen.begin(), seen.end());
   EXPECT_EQ(count, found.size());
   EXPECT_EQ(seen, found);
-  // By so little does not count.
+  // Smaller than the tolerance.
   EXPECT_TRUE(self_intersections(tetrahedra(row, 1), 0.3).empty());
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using test::octasphere;
 
-/// Each triangle with vertices of its own.
+/// Separate vertices for each triangle.
 TriangleMesh soup_of(const TriangleMesh& mesh) {
   TriangleMesh soup;
   for (const Triangle& t : mesh.triangles) {
@@ -46,7 +46,7 @@ TEST(SewnMesh, AMeshThatHangsTogetherStaysAsItIs) {
 }
 
 TEST(SewnMesh, WhatOnlyTouchesStaysApart) {
-  // Two closed spheres at one point, with a vertex of its own each; and two fans of open triangles.
+  // Two closed spheres that touch at a point, with separate vertices; and two open fans of triangles.
   const TriangleMesh spheres = test::joined(octasphere(1), octasphere(1), {2, 0, 0});
   EXPECT_EQ(sewn_topology(spheres).components, 2u);
   EXPECT_TRUE(sewn_topology(spheres).closed());
@@ -86,7 +86,7 @@ TEST(SewnMesh, WhatIsNoTriangleIsLeftOut) {
 }
 
 TEST(SewnMesh, ClosedAndManifoldAreTwoThings) {
-  // Two cubes' worth of edges: four triangles at one edge, each direction twice.
+  // Two octahedra with a common edge: four triangles at one edge, each direction twice.
   TriangleMesh wedge = test::joined(octasphere(0), octasphere(0), {5, 0, 0});
   const Triangle t = wedge.triangles[0], s = wedge.triangles[8];
   for (Triangle& u : wedge.triangles)

@@ -30,7 +30,7 @@ SurfaceDistance distance(const TriangleMesh& a, const TriangleMesh& b) {
   return measure_distance(a, b, {.samples = 20000}, progress);
 }
 
-/// A cube of n × n × 6 quads with edge 2.
+/// Cube of n × n × 6 quads with edge 2.
 TriangleMesh grid_cube(std::uint32_t n);
 
 TEST(Simplify, FlatPartsNeedFewTrianglesAndCreasesStay) {
@@ -86,7 +86,7 @@ TEST(Simplify, EndsWhereTopologyForbidsMore) {
   EXPECT_TRUE(measure_topology(few).closed());
 }
 
-/// A square of n × n quads with edge 2, less the middle ninth of them.
+/// Square of n × n quads with edge 2, without its middle ninth.
 TriangleMesh frame(std::uint32_t n) {
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i <= n; ++i)
@@ -139,7 +139,7 @@ TEST(Simplify, StraightBordersNeedTheirCornersOnly) {
 }
 
 TEST(Simplify, HubsOfManySpokesAreNoTrouble) {
-  // Two hubs of as many spokes as there are places on the equator: a ball.
+  // Two hubs with a spoke to every vertex of the equator: a ball.
   const TriangleMesh ball = [] {
     TriangleMesh mesh;
     constexpr std::uint32_t n = 60, rows = 31;
@@ -170,7 +170,7 @@ TEST(Simplify, HubsOfManySpokesAreNoTrouble) {
 }
 
 TEST(Simplify, CapsOfManySpokesGoDownToTheTrianglesAskedFor) {
-  // Edges around a hub collapse many at a time: one after the other would be the end of it.
+  // Edges around a hub collapse in parallel: sequential collapses would take too long.
   for (const std::uint32_t n : {400u, 700u, 2000u}) {
     SCOPED_TRACE(n);
     TriangleMesh can;
@@ -211,7 +211,8 @@ TEST(Simplify, TheHubOfADiscGoesOnceItHasFewSpokes) {
   }
   TriangleMesh few = disc;
   Progress progress;
-  simplify_mesh(few, {.error = 1e-3, .triangles = 8, .least_shape = 0.3}, progress);  // without the hub they are thin
+  // Without the hub, triangles are thin.
+  simplify_mesh(few, {.error = 1e-3, .triangles = 8, .least_shape = 0.3}, progress);
   EXPECT_EQ(few.triangles.size(), 8u);
   EXPECT_EQ(few.vertices.size(), 10u);  // all on the rim
   for (const Vec3f& v : few.vertices) EXPECT_NEAR(norm(v), 1, 0.1);
@@ -261,7 +262,7 @@ TEST(Simplify, CarriesAttributes) {
     EXPECT_NEAR(few.colors[i][0], 127 + 120 * few.vertices[i][0], 16);
     EXPECT_EQ(few.colors[i][1], 40);
     EXPECT_NEAR(height[i], few.vertices[i][1], 0.12);
-    // The number of a vertex that was merged there, not a mean of numbers.
+    // Integers are those of a merged vertex, not means.
     EXPECT_LT(norm(ball.vertices[number[i]] - few.vertices[i]), 0.3f);
   }
   for (std::size_t i = 0; i < face.size(); ++i) {
@@ -274,7 +275,7 @@ TEST(Simplify, CarriesAttributes) {
 }
 
 TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
-  // Large enough, and often enough, for collapses to run beside each other.
+  // Large enough, and repeated, for concurrent collapses.
   const TriangleMesh ring = test::torus_mesh(300, 200);
   for (int repeat = 0; repeat < 3; ++repeat)
     test::compare_threads([&] { return simplified(ring, 2e-3); },

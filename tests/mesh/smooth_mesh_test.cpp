@@ -31,7 +31,7 @@ double rms_off_sphere(const TriangleMesh& mesh) {
   return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
 }
 
-/// A cube of side 2 with small triangles.
+/// Cube of side 2 with small triangles.
 TriangleMesh fine_cube() {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i) mesh.vertices.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
@@ -48,7 +48,7 @@ double rms_off_cube(const TriangleMesh& mesh) {
 }
 
 TEST(SmoothMesh, CoarseMeshesKeepTheirVolumeToo) {
-  // The filter takes two thirds of an octahedron's radius off: a single step back goes far beyond it.
+  // The filter removes two thirds of an octahedron's radius: a single correction step overshoots.
   for (const int levels : {0, 1}) {
     TriangleMesh mesh = octasphere(levels);
     Progress progress;
@@ -98,7 +98,7 @@ TEST(SmoothMesh, EachComponentKeepsItsVolume) {
 }
 
 TEST(SmoothMesh, LengthSaysWhichWavesGo) {
-  // Ripples around a torus: of short ones half must go, and of long ones next to nothing.
+  // Ripples around a torus: short ones must be halved, long ones hardly change.
   const auto torus = torus_mesh(120, 40);
   for (const auto& [waves, least, most] : {std::tuple(30, 0.35, 0.7), std::tuple(8, 0.93, 1.1)}) {
     TriangleMesh mesh = torus;
@@ -110,7 +110,7 @@ TEST(SmoothMesh, LengthSaysWhichWavesGo) {
     Progress progress;
     TriangleMesh plain = torus;
     SmoothOptions options;
-    options.shorter_than = 2 * std::numbers::pi / 30;  // at the middle of the tube
+    options.shorter_than = 2 * std::numbers::pi / 30;  // at the centre line of the tube
     smooth_mesh(mesh, options, progress);
     smooth_mesh(plain, options, progress);
     double left = 0, all = 0;
@@ -136,7 +136,7 @@ TEST(SmoothMesh, CreasesStayWhereAsked) {
   EXPECT_LT(rms_off_cube(sharp), 0.7 * rms_off_cube(round));
 }
 
-/// A closed prism over a polygon (counter-clockwise, seen by +z) that is made of triangles, with small triangles.
+/// Closed prism over a triangulated polygon (counter-clockwise, seen from +z), with small triangles.
 TriangleMesh fine_prism(const std::vector<std::pair<double, double>>& outline, const std::vector<Triangle>& inside,
                         double depth, double longest) {
   TriangleMesh mesh;
@@ -157,7 +157,7 @@ TriangleMesh fine_prism(const std::vector<std::pair<double, double>>& outline, c
 }
 
 TEST(SmoothMesh, CreasesKeepTheVolumeToo) {
-  // Two leaves at an angle, thinner than edges are long, which would lose a fifth of it; a box; a cylinder. The noise
+  // A hinge of two leaves thinner than the edges, which would lose a fifth of its volume; a box; a cylinder. The noise
   // is a third of an edge.
   const std::vector<std::pair<double, double>> hinge_outline{{0, 0}, {1, 0}, {1, 0.1}, {0.1, 0.1}, {0.1, 1}, {0, 1}};
   const std::vector<Triangle> hinge_inside{{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}};
@@ -190,7 +190,7 @@ TEST(SmoothMesh, BordersStayAndSeamsDoNotOpen) {
       sheet.triangles.push_back({a, a + 1, a + 11});
       sheet.triangles.push_back({a, a + 11, a + 10});
     }
-  TriangleMesh soup;  // every triangle with vertices of its own
+  TriangleMesh soup;  // separate vertices for every triangle
   for (const Triangle& t : sheet.triangles) {
     const auto base = static_cast<std::uint32_t>(soup.vertices.size());
     for (const std::uint32_t v : t) soup.vertices.push_back(sheet.vertices[v]);

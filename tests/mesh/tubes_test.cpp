@@ -64,7 +64,7 @@ void expect_solid(const TriangleMesh& mesh, std::size_t components) {
 
 TEST(Tubes, OfAStraightLineArePrisms) {
   for (const int sides : {3, 8, 20}) {
-    // Points in between, one of them twice, change nothing.
+    // Additional points on the line, one of them twice, change nothing.
     const PolylineSet lines = line_of({{1, 2, 3}, {2, 4, 5}, {2, 4, 5}, {3, 6, 7}});
     const TriangleMesh mesh = tubes(lines, {.radius = 0.25, .sides = sides});
     expect_solid(mesh, 1);
@@ -76,8 +76,8 @@ TEST(Tubes, OfAStraightLineArePrisms) {
   }
 }
 
-/// Two segments of which the mitre takes as much from one side as it adds on the other: the volume is that of the whole
-/// length, for any number of sides.
+/// The mitre removes as much on one side as it adds on the other: the volume is that of the whole length, for any
+/// number of sides.
 TEST(Tubes, MitresKeepTheVolume) {
   const double a = 40 * kPi / 180;
   const TriangleMesh mesh = tubes(line_of({{0, 0, 0}, {1, 0, 0}, {1 + std::cos(a), std::sin(a), 0}}), {.radius = 0.1});
@@ -91,7 +91,7 @@ TEST(Tubes, OfAHelixAreAsWideAsTheirRadiusEverywhere) {
   const TriangleMesh mesh = tubes(line_of(x), {.radius = 0.2});
   expect_solid(mesh, 1);
   for (const Vec3f& v : mesh.vertices) EXPECT_NEAR(foot_on(x, Vec3(v)).distance, 0.2, 0.2 * 2e-3);
-  // Nothing folds: all triangles but those of the caps face away from the line.
+  // No folds: all triangles except the caps face away from the line.
   for (std::size_t t = 6; t + 6 < mesh.triangles.size(); ++t) {
     const Triangle& c = mesh.triangles[t];
     const Vec3 p(mesh.vertices[c[0]]), q(mesh.vertices[c[1]]), r(mesh.vertices[c[2]]);
@@ -102,7 +102,7 @@ TEST(Tubes, OfAHelixAreAsWideAsTheirRadiusEverywhere) {
   EXPECT_NEAR(measure_size(mesh).volume, length * 4 * 0.04 * std::sin(kPi / 4), 2e-3);
 }
 
-/// The edges along the tube of a planar curve stay in parallel planes: a frame that twists would leave them.
+/// The edges along the tube of a planar curve stay in parallel planes unless the frame twists.
 TEST(Tubes, DoNotTwist) {
   std::vector<Vec3> x;
   for (int i = 0; i <= 60; ++i) x.push_back({0.1 * i, std::sin(0.2 * i), 0});
@@ -120,7 +120,7 @@ TEST(Tubes, SharpBendsNeitherPinchNorStickOut) {
       const TriangleMesh mesh = tubes(line_of(x), {.radius = 0.2});
       expect_solid(mesh, 1);
       for (const Vec3f& v : mesh.vertices) EXPECT_LE(foot_on(x, Vec3(v)).distance, 0.2 * (1 + 1e-5)) << degrees;
-      // Corners that lie round the point on the outer side are as far from it as elsewhere.
+      // Corners around the point on the outer side have the usual distance from it.
       std::size_t outer = 0;
       const Vec3 out = normalized(x[1] - x[2]) + Vec3{1, 0, 0};
       for (const Vec3f& v : mesh.vertices) {
@@ -133,7 +133,7 @@ TEST(Tubes, SharpBendsNeitherPinchNorStickOut) {
     }
 }
 
-/// Curves tighter than the tube: it stays within the radius of the line, and closed.
+/// Curves tighter than the tube: it stays closed and within the radius of the line.
 TEST(Tubes, OfTightCurvesStayWithinTheirRadius) {
   std::vector<Vec3> x = helix(0.05, 0.3, 4, 160);
   std::vector<Vec3> jagged;
@@ -145,7 +145,8 @@ TEST(Tubes, OfTightCurvesStayWithinTheirRadius) {
   }
 }
 
-/// A line that winds up without end where it stops takes no more points than it is long, and the tube ends with it.
+/// A line that winds up endlessly at its end needs no more points than its length requires, and the tube ends at its
+/// end.
 TEST(Tubes, LeaveOutPointsNearerThanTheLeastStep) {
   std::vector<Vec3> x;
   for (int i = 0; i < 4000; ++i) {
@@ -158,7 +159,7 @@ TEST(Tubes, LeaveOutPointsNearerThanTheLeastStep) {
   EXPECT_LT(some.vertices.size(), all.vertices.size() / 3);
   for (const Vec3f& v : some.vertices) EXPECT_LT(foot_on(x, Vec3(v)).distance, 0.02 * 1.1);
   EXPECT_LT(norm(Vec3(some.vertices.back()) - x.back()), 0.0201);
-  // Straight: the end stays where it is.
+  // Straight: the end stays in place.
   const TriangleMesh two =
       tubes(line_of({{0, 0, 0}, {1, 0, 0}, {1.4, 0, 0}}), {.radius = 0.1, .sides = 8, .least_step = 0.5});
   EXPECT_EQ(two.vertices.size(), 16u);
@@ -172,7 +173,7 @@ TEST(Tubes, CarryAttributesAndLeaveOutWhatIsNoLine) {
   lines.origin = {4e6, -2e5, 100};
   lines.positions = {{0, 0, 0}, {1, 0, 0}, {5, 5, 5},    {7, 7, 7}, {7, 7, 7},
                      {0, 3, 0}, {1, 3, 0}, {kNan, 0, 0}, {3, 3, 0}, {4, 3, 1}};
-  lines.offsets = {0, 2, 3, 5, 10};  // a line, a point, the same point twice, a line that is interrupted
+  lines.offsets = {0, 2, 3, 5, 10};  // a line, a point, the same point twice, an interrupted line
   lines.attributes.set("time", std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
   lines.line_attributes.set("seed", std::vector<std::int32_t>{10, 11, 12, 13});
   const TriangleMesh mesh = tubes(lines, {.radius = 0.1, .sides = 6});

@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A unit tetrahedron of which each face has corners of its own, and its own colours and normals.
+/// Unit tetrahedron whose faces have separate corners, colours and normals.
 TriangleMesh soup(float shake = 0) {
   const Vec3f corner[4] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   TriangleMesh mesh;
@@ -42,7 +42,7 @@ TEST(Weld, ASoupBecomesClosedAndItsCornersAreMeans) {
     ASSERT_EQ(mesh.vertices.size(), 4u);
     EXPECT_TRUE(measure_topology(mesh).closed());
     EXPECT_EQ(mesh.vertices[0], (Vec3f{0, 0, 0}));
-    // Corner 0 is of the faces 0, 1 and 3.
+    // Corner 0 belongs to the faces 0, 1 and 3.
     EXPECT_EQ(mesh.colors[0][0], 13);
     EXPECT_FLOAT_EQ((*mesh.attributes.find<float>("value"))[0], 4.0f / 3);
     EXPECT_EQ((*mesh.attributes.find<std::int32_t>("label"))[0], 0);
@@ -52,7 +52,7 @@ TEST(Weld, ASoupBecomesClosedAndItsCornersAreMeans) {
 }
 
 TEST(Weld, SaysWhichEdgesAreNoLongerManifold) {
-  // Two tetrahedra that only touch along an edge.
+  // Two tetrahedra with a common edge.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {4, 6, 5}, {4, 5, 7}, {5, 6, 7}, {4, 7, 6}};
@@ -78,7 +78,7 @@ TEST(Weld, TrianglesThatShrinkGoWithTheirAttributes) {
   ASSERT_EQ(mesh.triangles.size(), 1u);
   EXPECT_EQ(mesh.triangles[0], (Triangle{0, 1, 2}));
   EXPECT_EQ((*mesh.triangle_attributes.find<std::int32_t>("id"))[0], 8);
-  EXPECT_EQ(mesh.normals[0], unit);  // nobody joined it
+  EXPECT_EQ(mesh.normals[0], unit);  // not merged
   EXPECT_THROW(weld_vertices(mesh, -1), ArgumentError);
 }
 

@@ -1,5 +1,5 @@
-// Solids with fitted functions that are steeper than distances: no block through which the surface passes is left out,
-// and large blocks hold only what they are said to.
+// Solids with fitted functions that are steeper than distances: no block that the surface crosses is left out, and
+// large blocks contain only what survey() reports.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ std::shared_ptr<const FittedFunction> fitted(const test::ThinShape& shape, doubl
   return std::make_shared<const FittedFunction>(fit_surface_function(test::even_samples(shape, spacing), {}, progress));
 }
 
-/// Points between which the field changes its sign, as close together as can be: a surface is there.
+/// Pairs of points with opposite signs, bisected to adjacent numbers: points of the surface.
 std::vector<Vec3> on_surface(const Solid& solid, std::size_t tries) {
   const Box3 box = solid.bounds();
   std::mt19937_64 random(4);
@@ -54,7 +54,7 @@ std::vector<Vec3> on_surface(const Solid& solid, std::size_t tries) {
   return middle;
 }
 
-/// How many of the points lie in blocks that are larger than a cell.
+/// Number of points in blocks that are larger than a cell.
 std::size_t in_large_blocks(const Solid& solid, const std::vector<Vec3>& x, double cell, std::optional<double> slope) {
   CreaseBlockOptions options;
   options.cell = options.smooth_cell = cell;
@@ -78,8 +78,8 @@ void PrintTo(const Steep& s, std::ostream* out) { *out << s.name; }
 
 class SteepFunctions : public testing::TestWithParam<Steep> {};
 
-/// All blocks along the surface have the edge of a cell; with a guess of the slope, which was right nearly everywhere,
-/// some of the surface was in blocks that had been left alone.
+/// All blocks along the surface have the edge of a cell. An estimated slope that was right almost everywhere left some
+/// blocks of the surface undivided.
 TEST_P(SteepFunctions, LoseNoPart) {
   SANSMESH_NOT_SANITIZED("judges meshes; others mesh functions as solids");
   constexpr double kSpacing = 0.05;

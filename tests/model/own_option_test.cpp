@@ -24,7 +24,7 @@ constexpr OwnOption<"plane_flat", false> kFlat({.text = "Whether it is flat"});
 constexpr OwnOption<"plane_kernel", Kernel::round> kKernel({.text = "Its weights", .choices = kKernels});
 constexpr OptionRow kOwn[] = {kHeight, kRounds, kFlat, kKernel};
 
-/// What the surface was asked for when it was made last.
+/// Option value of the last call that made the surface.
 double height_seen = 0;
 
 class Plane : public ScalarField {
@@ -71,7 +71,7 @@ TEST(OwnOption, IsKeptUnderItsNameAndReadAsWhatItIs) {
   EXPECT_EQ(kHeight.of(o), 2);
   EXPECT_EQ(kKernel.of(o), Kernel::square);
   EXPECT_EQ(options_set(o), (std::vector<std::string_view>{"method", "plane_height", "plane_kernel"}));
-  // As a program writes them.
+  // Values as a program sets them.
   o.own = {{"plane_height", std::int64_t{3}}, {"plane_flat", true}, {"plane_kernel", std::string("square")}};
   EXPECT_EQ(error_of(o), "");
   EXPECT_EQ(kHeight.of(o), 3);
@@ -90,11 +90,12 @@ TEST(OwnOption, IsCheckedAsItsRowSaysAndHeededByItsSurfaceAlone) {
   EXPECT_EQ(error_of({.method = "apss", .own = {{"plane_rounds", std::int64_t{4}}}}),
             "`plane_rounds` belongs to plane, not to the surface apss");
   EXPECT_EQ(error_of({.method = "plane", .own = {{"plane_hight", 1.0}}}),
-            "no surface has an option `plane_hight` for itself");
-  EXPECT_EQ(error_of({.method = "plane", .own = {{"sharp", true}}}), "no surface has an option `sharp` for itself");
+            "no surface method has an option `plane_hight` of its own");
+  EXPECT_EQ(error_of({.method = "plane", .own = {{"sharp", true}}}),
+            "no surface method has an option `sharp` of its own");
 }
 
-/// Lengths come in the unit of the input, and go to the surface in the coordinates of the cloud.
+/// Lengths are given in the unit of the input; the surface receives them in the coordinates of the cloud.
 TEST(OwnOption, LengthsFollowTheCloud) {
   PointSet cloud = test::sphere(500);
   for (Vec3f& p : cloud.positions) p = p * 8.0f;

@@ -44,11 +44,11 @@ double off_sphere(const PointSet& cloud, const Vec3& center = {}, double radius 
   return sum / static_cast<double>(cloud.size());
 }
 
-/// Of the distance to the nearest other point: √(4/π − 1) = 0.52 where points are independent of each other. Points are
-/// even where it is a third less.
+/// Variation of the distance to the nearest neighbour: √(4/π − 1) = 0.52 for independent points. Points count as even
+/// if it is a third less.
 const double kEven = 2.0 / 3 * std::sqrt(4 / std::numbers::pi - 1);
 
-/// Of each point's distance to its nearest neighbour: standard deviation over mean.
+/// Standard deviation over mean of each point's distance to its nearest neighbour.
 double variation(const PointSet& cloud) {
   const KdTree tree(cloud.positions);
   double sum = 0, sum2 = 0;
@@ -65,12 +65,12 @@ double variation(const PointSet& cloud) {
 double spacing_of_sphere(std::size_t n) { return std::sqrt(4 * std::numbers::pi / static_cast<double>(n)); }
 
 TEST(SuitedSurface, LeavesTheLeastError) {
-  const auto suited = [](const PointSet& cloud) {
+  const auto recommended = [](const PointSet& cloud) {
     Progress progress;
     return make_suited_surface(prepare_cloud(cloud, {}, progress), progress);
   };
-  EXPECT_EQ(suited(test::sphere(6000, 0.03)).report().method, "partition");
-  // Samples in the order of a grid, too far apart for the waves: what the partition smooths away is no noise.
+  EXPECT_EQ(recommended(test::sphere(6000, 0.03)).report().method, "partition");
+  // Samples on a grid, too sparse for the waves: the detail that the partition smooths away is not noise.
   PointSet waves;
   for (int i = 0; i < 40; ++i)
     for (int j = 0; j < 40; ++j) {
@@ -82,7 +82,8 @@ TEST(SuitedSurface, LeavesTheLeastError) {
     project(waves, model, &report);
     return report.rms_move;
   };
-  EXPECT_LE(moved(suited(waves)), std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
+  EXPECT_LE(moved(recommended(waves)),
+            std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
 }
 
 TEST(ProjectPoints, LeavesOutWhatIsFarFromSamples) {
@@ -120,7 +121,7 @@ TEST_P(EverySurfaceProjects, MovesPointsOntoIt) {
   EXPECT_EQ(report.left_out, 0u);
   ASSERT_EQ(feet.size(), probes.size());
   ASSERT_EQ(feet.normals.size(), probes.size());
-  // Means of planes lie off by the bend of the surface within their width.
+  // Means of planes deviate by the curvature of the surface within their width.
   const std::string method = GetParam();
   const bool planes = method == "adamson" || method == "kolluri" || method == "extremal";
   EXPECT_LT(off_sphere(feet), (method == "dey" ? 0.12 : planes ? 0.03 : 0.015) * spacing);
@@ -218,7 +219,7 @@ TEST_P(Resample, SpreadsAsManyAsAskedForEvenly) {
     ASSERT_EQ(points.normals.size(), points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       ASSERT_GT(dot(points.normals[i], normalized(points.positions[i])), 0.98f);
-    // No hole: every place of the sphere has a point nearby.
+    // No hole: every point of the sphere has a point nearby.
     const KdTree tree(points.positions);
     for (const Vec3f& p : test::sphere(2000).positions)
       ASSERT_LT(std::sqrt(tree.nearest(p)->squared_distance), 1.5 * spacing_of_sphere(count)) << count;

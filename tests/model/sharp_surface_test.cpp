@@ -1,4 +1,4 @@
-// Edges and corners of surfaces with `sharp`: do triangles next to an edge lie in their face, and does nothing bulge?
+// Edges and corners of surfaces with `sharp`: triangles next to an edge are in their face, and nothing bulges.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,10 +62,10 @@ std::vector<Vec3f> edge_points(const TriangleMesh& mesh, double step) {
 }
 
 struct EdgeFigures {
-  double mean_angle = 0;       ///< between triangles and the nearest face, over all of the area, degrees
+  double mean_angle = 0;       ///< between triangles and the nearest face, area-weighted, degrees
   double near_edge_right = 0;  ///< share of the area 1 to 3 spacings from an edge that is within 3° of its face
-  double at_edge_right = 0;    ///< the same of all of the area within 3 spacings
-  double vertex_p99 = 0;       ///< distance of vertices from the truth, over the spacing: 99 % are below
+  double at_edge_right = 0;    ///< the same share of all area within 3 spacings
+  double vertex_p99 = 0;       ///< 99th percentile of the vertices' distance from the truth, over the spacing
 };
 
 EdgeFigures measure(const TriangleMesh& mesh, const TriangleMesh& truth, double spacing) {
@@ -101,7 +101,7 @@ EdgeFigures measure(const TriangleMesh& mesh, const TriangleMesh& truth, double 
   return figures;
 }
 
-/// Nothing if it is not there.
+/// Empty if the file does not exist.
 std::optional<TriangleMesh> shared_model(const std::string& name) {
   const std::string file = test::shared_points(name);
   if (!std::filesystem::exists(file)) return std::nullopt;
@@ -125,15 +125,15 @@ EdgeFigures figures_of(PointSet cloud, const TriangleMesh& truth, bool normals, 
   return measure(mesh, truth, report.spacing);
 }
 
-/// Turned about two axes.
+/// Rotated about two axes.
 Vec3f turned(const Vec3f& v) {
   const Vec3f w{v.x * std::cos(0.4f) - v.y * std::sin(0.4f), v.x * std::sin(0.4f) + v.y * std::cos(0.4f), v.z};
   return {w.x, w.y * std::cos(0.7f) - w.z * std::sin(0.7f), w.y * std::sin(0.7f) + w.z * std::cos(0.7f)};
 }
 
-/// Against the surface without sharp normals, at most half (`still_wrong`) as much of the area near edges is turned
-/// away from its face, and triangles agree better with their faces overall. No vertex but a stray one is farther off
-/// than the samples leave open: half of what lies between two of them.
+/// Compared with the surface without sharp normals, at most `still_wrong` as much of the area near edges deviates from
+/// its face, and triangles agree better with their faces overall. No vertex, except stray ones, is farther off than the
+/// samples leave undetermined: half the distance between two of them.
 void expect_sharper(const PointSet& cloud, const TriangleMesh& truth, std::initializer_list<bool> with_normals,
                     double still_wrong = 0.5) {
   for (const bool normals : with_normals) {
@@ -156,8 +156,8 @@ TEST(SharpSurface, OfACube) {
   expect_sharper(cloud, truth, {true, false});
 }
 
-/// Exact normals along the axes are the worst case: cells of the mesh lie along the edges, and many are chamfered.
-/// They are better than blurred ones nevertheless.
+/// Exact normals along the axes are the worst case: cells of the mesh are aligned with the edges, and many are
+/// chamfered. They are still better than blurred normals.
 TEST(SharpSurface, OfACubeAlongTheAxes) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others run the same surface");
   expect_sharper(test::cube(12000), test::cube_of_faces(), {true}, 0.9);

@@ -1,4 +1,4 @@
-// Meshes of the surfaces that were not made for one: where they end, and how large their blocks are.
+// Meshes of surfaces that are not made for meshing: their borders and block sizes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ double border_length(const TriangleMesh& mesh) {
   return length;
 }
 
-/// Places at random in a rectangle in z = 0, lifted by half of x² / `radius`.
+/// Random points of a rectangle in z = 0, lifted by half of x² / `radius`.
 PointSet rectangle(std::size_t n, double a, double b, double radius = 100) {
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -70,7 +70,7 @@ PointSet rectangle(std::size_t n, double a, double b, double radius = 100) {
 
 class SurfaceMesh : public testing::TestWithParam<const char*> {};
 
-// A half sphere ends in a circle: of its length, but for the waves of a contour half a spacing wide.
+// A half sphere ends in a circle with the circle's length, except for the waves of a contour half a spacing wide.
 TEST_P(SurfaceMesh, OfAHalfSphereEndsInACircle) {
   const PointSet cloud = part_of(test::sphere(6000), [](const Vec3f& p) { return p.z < 0; });
   ReconstructReport report;
@@ -85,7 +85,7 @@ TEST_P(SurfaceMesh, OfAHalfSphereEndsInACircle) {
   for (const Vec3f& v : mesh.vertices) EXPECT_LT(static_cast<double>(v.z), 1.5 * report.spacing);
 }
 
-// Trimming cuts a sphere with a wide hole open, which --closed would bridge, along the samples around the hole.
+// Trimming opens a wide hole in a sphere, which would otherwise be closed, along the samples around it.
 TEST_P(SurfaceMesh, IsTrimmedAtItsDistance) {
   const PointSet cloud = part_of(test::sphere(6000), [](const Vec3f& p) { return p.z < 0.8f; });
   for (const double share : {2.0, 0.0}) {
@@ -104,7 +104,7 @@ TEST_P(SurfaceMesh, IsTrimmedAtItsDistance) {
   }
 }
 
-// Cubes have sharp convex edges and corners: no openings there, no handles, and nothing that sticks out.
+// Cubes have sharp convex edges and corners: no openings, no handles and nothing that sticks out.
 TEST_P(SurfaceMesh, OfACubeIsClosedAndHasNoFins) {
   SANSMESH_NOT_SANITIZED("judges meshes; others mesh every surface");
   const PointSet cloud = test::cube(24000, 3);
@@ -134,7 +134,7 @@ TEST(SurfaceMesh, FewTrianglesWhereItIsFlat) {
   EXPECT_THROW(model.blocks_for(PointSet{}, 1e-4), ArgumentError);
 }
 
-// Blocks are larger on a larger sphere with the same spacing, and the mesh is as near to it.
+// Blocks are larger on a larger sphere with the same spacing, and the mesh is as accurate.
 TEST(SurfaceMesh, BlocksFollowTheCurvature) {
   double last = 0;
   for (const std::size_t n : {4000u, 64000u}) {

@@ -1,4 +1,4 @@
-// Surfaces by name, and their options.
+// Registered surface methods and their options.
 #include "sansmesh/model/surface_method.h"
 
 #include <gtest/gtest.h>
@@ -13,6 +13,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
@@ -47,13 +48,18 @@ TEST(SurfaceMethods, NamesAreTakenOnce) {
   EXPECT_THROW(SurfaceMethod::registry().add({.name = "", .summary = "", .page = ""}), ArgumentError);
 }
 
+TEST(SurfaceMethods, NeedAFunctionThatMakesThem) {
+  EXPECT_THROW(SurfaceMethod::registry().add({.name = "no-make", .summary = "", .page = ""}), ArgumentError);
+  EXPECT_EQ(SurfaceMethod::registry().find("no-make"), nullptr);
+}
+
 TEST(SurfaceMethods, HavePagesInTheDocs) {
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all())
     EXPECT_TRUE(std::filesystem::is_regular_file(test::source_file("docs/methods/" + std::string(method->page))))
         << method->name << ": " << method->page;
 }
 
-/// A method, with an option other than it is by itself, and in range.
+/// A method with one option set to a valid value other than the default.
 SurfaceOptions with(std::string_view method, std::string_view option) {
   using S = SurfaceOptions;
   SurfaceOptions o{.method = std::string(method)};
@@ -81,7 +87,7 @@ SurfaceOptions with(std::string_view method, std::string_view option) {
       if (name == option) return set_option(row, owner, value);
     ADD_FAILURE() << "no value to try " << option << " with";
   });
-  if (option == "diffusion_threshold") o.diffusion = S::Diffusion::soft;  // which it is the threshold of
+  if (option == "diffusion_threshold") o.diffusion = S::Diffusion::soft;  // otherwise unused
   if (option == "normal" && method == "amls") o.normal = S::Normal::iterated;
   return o;
 }
@@ -136,7 +142,7 @@ TEST(SurfaceMethods, ValuesAreRefusedWhereTheyMeanNothing) {
   refused({.method = "amls", .order = 8}, "order");
 }
 
-/// The model's normals are those that were asked for: iterated ones, sharp ones, or the latter of the former.
+/// The model's normals are the requested ones: iterated, sharp, or sharpened iterated ones.
 TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   SurfaceOptions o{.method = "amls", .smoothing = 1.2, .order = 4, .iterations = 3};
   Progress progress;
@@ -159,7 +165,7 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   const std::vector<Vec3> both = normals_of(o);
   o.sharp = SharpFormula::laguerre;
   const std::vector<Vec3> laguerre = normals_of(o);
-  // Only h/√ε counts, of these weights as of the surface's.
+  // Only h/√ε matters, for these weights as for the surface's.
   o.smoothing = 1.5, o.epsilon = 1;
   const std::vector<Vec3> narrow = normals_of(o);
   o.smoothing = 3.0, o.epsilon = 4;
@@ -172,13 +178,13 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
 
 class EveryMethodOfTheTable : public testing::TestWithParam<std::string> {};
 
-/// A sphere of a surface by itself and with each option that it uses.
+/// A sphere with default options and with each option that the method uses.
 TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
   const SurfaceMethod& method = surface_method(GetParam());
   const std::size_t n = 2000;
   const PointSet cloud = test::sphere(n);
   const auto check = [&](SurfaceOptions choice, const std::string& what) {
-    if (method.uses_option("order") && !choice.bandwidth) {  // cross validation takes its time
+    if (method.uses_option("order") && !choice.bandwidth) {  // cross validation is slow
       if (!choice.order) choice.order = 4;
       if (!choice.iterations) choice.iterations = 3;
       if (!choice.smoothing) choice.smoothing = 1.2;
@@ -190,7 +196,7 @@ TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
     const MeshTopology topology = measure_topology(mesh);
     EXPECT_EQ(topology.components, 1u) << what;
     EXPECT_TRUE(topology.manifold()) << what;
-    EXPECT_TRUE(topology.closed() || GetParam() == "hoppe") << what;  // whose planes do not meet
+    EXPECT_TRUE(topology.closed() || GetParam() == "hoppe") << what;  // planes of hoppe do not meet
     double sum = 0;
     for (const Vec3f& v : mesh.vertices) sum += std::abs(norm(v) - 1);
     EXPECT_LT(sum / static_cast<double>(mesh.vertices.size()), 0.05) << what;

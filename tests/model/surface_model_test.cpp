@@ -1,4 +1,4 @@
-// Every surface that can be had by name, from the samples to its mesh.
+// Every registered surface, from samples to mesh.
 #include "sansmesh/model/surface_model.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TriangleMesh mesh_of(const PointSet& cloud, const SurfaceOptions& surface, Recon
 SurfaceOptions named(const std::string& method) {
   SurfaceOptions options;
   options.method = method;
-  if (method == "amls") options.order = 4, options.iterations = 3;  // cross validation takes its time
+  if (method == "amls") options.order = 4, options.iterations = 3;  // cross validation is slow
   return options;
 }
 
@@ -74,10 +74,10 @@ class EverySurface : public testing::TestWithParam<std::string> {
  protected:
   /// Steps at the borders between the samples' cells.
   bool rough() const { return GetParam() == "hoppe"; }
-  /// Means of planes lie off by the bend of the surface within their width, which is large in dey's method.
+  /// Means of planes deviate by the curvature of the surface within their width, which is large in dey's method.
   bool of_planes() const { return GetParam() == "adamson" || GetParam() == "kolluri" || GetParam() == "extremal"; }
-  /// Meshes of the partition aim at 0.037 spacings (default_mesh_error), those of the others at what the surface is
-  /// off.
+  /// The target error of partition meshes is 0.037 spacings (default_mesh_error), that of the others the error of the
+  /// surface.
   bool simplified() const { return GetParam() == "partition"; }
   /// Its steps to the surface are not Newton's where the mean of the planes takes over.
   bool steps_far() const { return GetParam() == "extremal"; }
@@ -149,7 +149,7 @@ TEST_P(EverySurface, DoesNotDependOnPlaceAndUnit) {
     moved.origin = {1e6, -1e6, 3e6};
     ReconstructReport report;
     const TriangleMesh other = mesh_of(moved, named(GetParam()), &report);
-    // Powers of two change nothing; others round, and a vertex may go to the other side of a decision.
+    // Powers of two change nothing; other factors round, and a vertex may move across a decision boundary.
     if (unit == 1024) {
       ASSERT_EQ(other.triangles, one.triangles);
     } else {
@@ -244,8 +244,8 @@ TEST(SurfaceModel, MpuClosesWideHolesUnlessItIsTrimmed) {
   EXPECT_EQ(trimmed.components, 1u);
 }
 
-/// Pictures and spread points look for the surface in these balls: also in holes of flat faces, whose cells are large
-/// and hold samples, and at their rims.
+/// Pictures and resampling search the surface in these balls: also in holes of flat faces, whose cells are large and
+/// contain samples, and at their rims.
 TEST(SurfaceModel, BallsOfMpuHoldItsSurfaceOverHoles) {
   const PointSet cloud = test::cube(8000);
   for (const double hole : {0.2, 0.35, 0.6}) {
@@ -329,7 +329,7 @@ TEST(SurfaceModel, OptionsMeanWhatTheySay) {
   EXPECT_NEAR(w.report().smoothing, 3, 1e-6);
   EXPECT_GT(plain.report().smoothing, 0.5);
   EXPECT_LT(plain.report().smoothing, 3);
-  // The width is a length of the input, whatever the unit of the model.
+  // The width is a length of the input, independent of the unit of the model.
   PointSet large = cloud;
   for (Vec3f& p : large.positions) p *= 5000.0f;
   same.bandwidth = 5000 * 0.15;
@@ -369,7 +369,7 @@ TEST(SurfaceModel, MakesTheFieldOfAProjectionWhereItCanBeSeenAndStopped) {
   watched = &stopped;
   EXPECT_THROW(model.field(stopped), Cancelled);
   EXPECT_THROW(model.placement(stopped), Cancelled);
-  // Nothing is left of that: it is made by the next who asks, and only once.
+  // A cancelled field leaves no state: the next call makes it, and only once.
   Progress seen;
   const ScalarField& field = model.field(seen);
   const std::size_t stages = seen.timings().size();
@@ -459,7 +459,7 @@ TEST(SurfaceModel, RefusesCloudsWithoutASurface) {
   for (const std::string& method : test::surface_names())
     for (const PointSet* cloud : {&plane, &none, &same})
       EXPECT_THROW(model_of(*cloud, named(method)), DataError) << method << ", " << cloud->size() << " points";
-  // Few samples give something or a clear error.
+  // Few samples give a surface or a clear error.
   for (const std::string& method : test::surface_names())
     for (const std::size_t n : {9u, 20u, 60u}) {
       try {

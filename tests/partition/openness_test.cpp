@@ -54,7 +54,7 @@ TEST(Openness, ClosedShapesAreClosed) {
   for (const PointSet& cloud : {sphere(8000), test::cube(8000), test::torus(8000), sphere(8000, 0.01)}) {
     const PartitionOfUnity f = with_openness(cloud);
     EXPECT_EQ(f.report().open_area, 0);
-    EXPECT_GT(f.report().behind, 0.9);
+    EXPECT_GT(f.report().mean_winding_number, 0.9);
   }
 }
 
@@ -62,7 +62,7 @@ TEST(Openness, SheetsAreOpen) {
   for (const float height : {0.0f, 0.15f, 0.4f}) {
     const PartitionOfUnity f = with_openness(terrain(20000, height));
     EXPECT_FLOAT_EQ(open_share(f), 1) << height;
-    EXPECT_LT(f.report().behind, 0.65) << height;
+    EXPECT_LT(f.report().mean_winding_number, 0.65) << height;
   }
 }
 

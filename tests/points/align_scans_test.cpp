@@ -1,4 +1,4 @@
-// Scans that do not fit together: found, told, and moved.
+// Detection, report and correction of misaligned scans.
 #include "sansmesh/points/align_scans.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A bumpy ball: its shape determines every motion.
+/// A bumpy ball whose shape determines all six motions.
 Vec3 bumpy(const Vec3& direction) {
   const Vec3& d = direction;
   return d * (1 + 0.15 * std::sin(4 * d.x + 1) + 0.12 * std::cos(5 * d.y) + 0.1 * std::sin(3 * d.z + 2 * d.x));
@@ -32,7 +32,7 @@ Vec3 bumpy_normal(const Vec3& d) {
 
 constexpr double kSpacing = 0.025;
 
-/// What `scans` scanners around it see of it, a quarter of the way round from each other or less.
+/// Views of `scans` scanners around it, at most a quarter turn apart.
 PointSet seen_from(std::size_t scans, double noise, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> gauss;
@@ -54,38 +54,36 @@ PointSet seen_from(std::size_t scans, double noise, unsigned seed = 1) {
   return cloud;
 }
 
-/// Turned by half a degree about an axis through its middle, and shifted by two spacings.
-RigidMotion half_a_degree(const Vec3& axis, const Vec3& direction) {
-  const double angle = 0.5 * std::numbers::pi / 180;
-  const Vec3 a = normalized(axis);
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(a, v) * std::sin(angle) + a * (dot(a, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), normalized(direction) * (2 * kSpacing)};
+/// Rotation by half a degree about an axis through the centre, and a shift by two spacings.
+Similarity half_a_degree(const Vec3& axis, const Vec3& direction) {
+  Similarity motion = rotation_by(normalized(axis) * (0.5 * std::numbers::pi / 180));
+  motion.translation = normalized(direction) * (2 * kSpacing);
+  return motion;
 }
 
-/// Root mean square distance of samples from where they truly are, as seen from scan 0.
+/// Root mean square error of sample positions relative to scan 0.
 double farthest_off(const PointSet& truth, const PointSet& moved) {
-  std::size_t far = 0, side = 0;  // with sample 0, three of scan 0 that span a frame
+  std::size_t far = 0, side = 0;  // three samples of scan 0 that span a frame, with sample 0
   const auto from_first = [&](const PointSet& p, std::size_t i) { return Vec3(p.positions[i]) - Vec3(p.positions[0]); };
   while (norm(from_first(truth, far)) < 1) ++far;
   while (norm(cross(normalized(from_first(truth, far)), from_first(truth, side))) < 0.7) ++side;
   const auto frame = [&](const PointSet& p) {
-    RigidMotion f;
-    f.x = normalized(from_first(p, far));
-    f.z = normalized(cross(f.x, from_first(p, side)));
-    f.y = cross(f.z, f.x);
-    f.shift = Vec3(p.positions[0]);
+    Similarity f;
+    auto& [x, y, z] = f.columns;
+    x = normalized(from_first(p, far));
+    z = normalized(cross(x, from_first(p, side)));
+    y = cross(z, x);
+    f.translation = Vec3(p.positions[0]);
     return f;
   };
-  const RigidMotion f = frame(truth), g = frame(moved);
+  const Similarity f = frame(truth), g = frame(moved);
   double squares = 0;
   for (std::size_t i = 0; i < truth.size(); ++i)
-    squares += squared_norm(f.inverse(Vec3(truth.positions[i])) - g.inverse(Vec3(moved.positions[i])));
+    squares += squared_norm(f.back(Vec3(truth.positions[i])) - g.back(Vec3(moved.positions[i])));
   return std::sqrt(squares / static_cast<double>(truth.size()));
 }
 
-RigidMotion no_motion() { return {}; }
+Similarity no_motion() { return {}; }
 
 TEST(AlignScans, FindsKnownMotionsBack) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others align scans, too");
@@ -95,7 +93,7 @@ TEST(AlignScans, FindsKnownMotionsBack) {
       SCOPED_TRACE(testing::Message() << scans << " scans, noise " << noise);
       const PointSet truth = seen_from(scans, noise);
       PointSet cloud = truth;
-      std::vector<RigidMotion> known(scans, no_motion());
+      std::vector<Similarity> known(scans, no_motion());
       for (std::size_t s = 1; s < scans; ++s)
         known[s] = half_a_degree(Vec3{1.0 * (s % 3), 1, 0.3}, Vec3{1, -0.5 * static_cast<double>(s), 0.7});
       move_scans(cloud, known);
@@ -140,7 +138,7 @@ TEST(AlignScans, ScansThatFitAreLeftAlone) {
   }
 }
 
-/// One that is bent by more than its noise: it cannot be brought onto the others, and is not moved about for nothing.
+/// A scan warped by more than its noise cannot be aligned with the others and stays unchanged.
 TEST(AlignScans, TellsWarpedScansFromMisalignedOnes) {
   SANSMESH_NOT_SANITIZED("judges a choice; others align scans, too");
   Progress progress;
@@ -162,7 +160,7 @@ TEST(AlignScans, TellsWarpedScansFromMisalignedOnes) {
   EXPECT_NE(plain.warnings[0].find("warped"), std::string::npos);
 }
 
-/// Both sides of a plate, three spacings thick, each seen by one scanner: they have no surface in common.
+/// Both sides of a plate, three spacings thick, each seen by one scanner, have no surface in common.
 TEST(AlignScans, DoesNotPullTheSidesOfAPlateTogether) {
   Progress progress;
   std::mt19937 random(2);
@@ -216,14 +214,14 @@ TEST(AlignScans, MovesAllThatHasADirection) {
   PointSet cloud = seen_from(2, 0);
   cloud.grid_normals = cloud.normals;
   const PointSet given = cloud;
-  const RigidMotion motion = half_a_degree({1, 2, 3}, {0, 1, 0});
+  const Similarity motion = half_a_degree({1, 2, 3}, {0, 1, 0});
   move_scans(cloud, {motion, no_motion()});
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const RigidMotion m = cloud.scan_of_point[i] == 0 ? motion : no_motion();
+    const Similarity m = cloud.scan_of_point[i] == 0 ? motion : no_motion();
     ASSERT_LT(norm(Vec3(cloud.positions[i]) - m(Vec3(given.positions[i]))), 1e-6);
     ASSERT_LT(norm(Vec3(cloud.normals[i]) - m.turn(Vec3(given.normals[i]))), 1e-6);
     ASSERT_EQ(cloud.grid_normals[i], cloud.normals[i]);
-    ASSERT_LT(norm(m.inverse(m(Vec3(given.positions[i]))) - Vec3(given.positions[i])), 1e-12);
+    ASSERT_LT(norm(m.back(m(Vec3(given.positions[i]))) - Vec3(given.positions[i])), 1e-12);
   }
   EXPECT_LT(norm(Vec3(cloud.scanners[0]) - motion(Vec3(given.scanners[0]))), 1e-5);
   EXPECT_EQ(cloud.scanners[1], given.scanners[1]);

@@ -45,7 +45,7 @@ TEST(ClosePoints, RepresentativesAreApartAndNobodyIsFarFromTheirs) {
 }
 
 TEST(ClosePoints, ComponentsOfHeapsOfPoints) {
-  // A hundred thousand points at one place, as many in a cluster, and two rows of points that end at each.
+  // A hundred thousand coincident points, as many in a cluster, and two rows of points ending at each.
   std::vector<Vec3f> points(100000, Vec3f{0, 0, 0});
   for (const Vec3f& p : random_points(100000)) points.push_back(p * 1e-7f + Vec3f{10, 0, 0});
   for (int k = 1; k < 5; ++k) {
@@ -60,7 +60,7 @@ TEST(ClosePoints, ComponentsOfHeapsOfPoints) {
   EXPECT_EQ(find_cloud_components(points, 0, progress).points[0], 100000u);
 }
 
-/// Whether the parts are those that flooding finds.
+/// Compares the components with those of a flood fill.
 void expect_flooded(const std::vector<Vec3f>& points, double distance, const CloudComponents& found) {
   EXPECT_TRUE(std::is_sorted(found.points.rbegin(), found.points.rend()));
   std::vector<std::size_t> count(found.size());
@@ -87,7 +87,7 @@ void expect_flooded(const std::vector<Vec3f>& points, double distance, const Clo
 TEST(ClosePoints, ComponentsAreThoseOfBruteForceLargestFirst) {
   std::vector<Vec3f> points = random_points(3000);
   points.insert(points.end(), 100, points[17]);
-  // Of distances that hold next to nothing, a few points, a hundred of them and all.
+  // Distances that connect hardly any points, a few, a hundred, and all.
   for (const double distance : {0.0, 0.01, 0.045, 0.2, 3.0}) {
     Progress progress;
     const CloudComponents found = find_cloud_components(points, distance, progress);

@@ -10,7 +10,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// A box rotated and moved: its shape must not change.
+// A rotated and translated box, whose shape must not change.
 PointSet moved_box(Vec3f half, Vec3 offset) {
   PointSet points = sample_box(500, half, 1);
   const Vec3 n = normalized(Vec3{0.3, -0.5, 0.8});
@@ -53,7 +53,7 @@ TEST(CloudShape, PartsFarFromEachOtherAreNoLine) {
   ASSERT_TRUE(parts);
   EXPECT_NEAR(parts->apart, 1e9, 1e3);
   EXPECT_NEAR(parts->size, 2 * std::sqrt(3.0), 0.5);
-  // Where neither is near zero, float keeps none of their points apart.
+  // If neither part is near zero, float does not resolve the points of either.
   PointSet both;
   for (const Vec3f& p : box.positions) {
     both.positions.push_back(p * 40.0f + Vec3f{1e9f, 0, 0});

@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// n samples placed at random on the square [0, 1]², but for what `leave_out` says.
+/// n random samples of the square [0, 1]², except those that `leave_out` rejects.
 template <class LeaveOut>
 std::vector<Vec3f> square(std::size_t n, const LeaveOut& leave_out) {
   std::mt19937 random(5);
@@ -41,7 +41,7 @@ TEST(Coverage, EndsWithinASpacingOfTheLastSamples) {
   const std::size_t n = 40000;
   const double spacing = 1 / std::sqrt(static_cast<double>(n));
   const Coverage coverage(square(n, kNothing), spacing);
-  // Where the contour crosses lines that leave the square.
+  // Intersections of the contour with lines that leave the square.
   double mean = 0, squares = 0;
   std::size_t count = 0;
   for (double v = 0.05; v < 0.95; v += 0.01) {
@@ -57,7 +57,7 @@ TEST(Coverage, EndsWithinASpacingOfTheLastSamples) {
   }
   mean /= static_cast<double>(count);
   EXPECT_NEAR(mean, 0.5, 0.4);
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(count) - mean * mean), 0.5);  // no teeth
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(count) - mean * mean), 0.5);  // smooth contour
 }
 
 TEST(Coverage, ClosesNarrowHolesAndLeavesWideOnes) {
@@ -72,7 +72,7 @@ TEST(Coverage, ClosesNarrowHolesAndLeavesWideOnes) {
 }
 
 TEST(Coverage, ClosesTheGapsBetweenTheLinesOfAScanner) {
-  std::vector<Vec3f> samples;  // points along a line six times as dense as the lines
+  std::vector<Vec3f> samples;  // points along lines, six times as dense as the lines
   for (int line = 0; line < 60; ++line)
     for (int i = 0; i < 360; ++i) samples.push_back({static_cast<float>(i) / 6, static_cast<float>(line), 0});
   const Coverage coverage(samples, std::sqrt(1.0 / 6));
@@ -111,7 +111,7 @@ TEST(Coverage, BordersLieAlongTheEdges) {
     at_edges += edge < 2.5;
   }
   EXPECT_GT(static_cast<double>(at_edges), 0.9 * static_cast<double>(borders.size()));
-  EXPECT_GT(static_cast<double>(at_edges), 0.5 * 4 / spacing);  // of about as many as there are along the edges
+  EXPECT_GT(static_cast<double>(at_edges), 0.5 * 4 / spacing);  // at least half of the expected number along the edges
 }
 
 }  // namespace

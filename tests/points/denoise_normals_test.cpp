@@ -30,7 +30,7 @@ void add_noise(PointSet& points, double deviation, unsigned seed) {
   for (Vec3f& p : points.positions) p = Vec3f(Vec3(p) + Vec3{g(random), g(random), g(random)} * deviation);
 }
 
-/// The share of samples whose normal is off the true one by more than `degrees`.
+/// Share of samples whose normal deviates from the true one by more than `degrees`.
 double share_off(const PointSet& points, const std::vector<Vec3f>& truth, double degrees) {
   std::size_t off = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) off += angle(points.normals[i], truth[i]) > degrees;
@@ -63,14 +63,14 @@ TEST(DenoiseNormals, GivesSamplesNearEdgesTheNormalOfTheirFace) {
     EXPECT_GT(before, 0.05);
     denoise(box);
     EXPECT_LT(share_off(box, truth, 10), noise < 0.1 ? 0.015 : 0.4 * before);
-    // Of some face at least, nearly everywhere: of two at an edge either will do.
+    // Nearly every normal is that of some face; at an edge either face is accepted.
     std::size_t blurred = 0;
     for (const Vec3f& n : box.normals) blurred += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) < 0.985f;
     EXPECT_LT(blurred, noise < 0.1 ? box.size() / 200 : box.size() / 25);
   }
 }
 
-/// Three in four of the normals that were off come right.
+/// Three quarters of the wrong normals are corrected.
 void expect_sharper(PointSet model) {
   const std::vector<Vec3f> truth = model.normals;
   add_noise(model, 0.05 * estimate_spacing(model), 3);

@@ -23,7 +23,7 @@ TEST(Duplicates, ShareOfManyAtOnePlaceAndOfPairs) {
   PointSet pairs = points;
   pairs.positions.insert(pairs.positions.end(), points.positions.begin(), points.positions.end());
   EXPECT_NEAR(duplicate_share(pairs), 0.5, 0.05);
-  // One position is in a sample of positions or, mostly, is not.
+  // A sample of positions contains a given position or, usually, does not.
   for (const Vec3f& place : {Vec3f{0, 0, 0}, Vec3f{1, 2, 3}, Vec3f{0.3f, -5, 1e-3f}}) {
     PointSet camera = points;
     camera.positions.insert(camera.positions.begin() + 1000, 50000, place);
@@ -32,7 +32,7 @@ TEST(Duplicates, ShareOfManyAtOnePlaceAndOfPairs) {
 }
 
 TEST(Duplicates, ShareIsThatOfAllColumnsOfAScan) {
-  // Rows of ten times 64 samples: in steps of 64 some columns would never be seen.
+  // Rows of ten times 64 samples: steps of 64 would never visit some columns.
   PointSet scan = sample_box(128000, {1, 1, 1}, 1);
   for (std::size_t i = 0; i < scan.size(); ++i)
     if (i % 640 > 320 && i % 640 < 384) scan.positions[i] = {};

@@ -16,7 +16,7 @@ PointSet turned(PointSet mesh) {
   return mesh;
 }
 
-/// A disc of radius 1 with a round rim, so thick in its middle.
+/// Disc of radius 1 with a round rim and the given thickness at its centre.
 PointSet disc_mesh(int levels, float thickness) {
   PointSet mesh = test::ball_mesh(levels);
   for (Vec3f& p : mesh.positions) p.z *= 0.5f * thickness;
@@ -65,11 +65,11 @@ TEST(ThinParts, AreThoseWhoseOtherSideIsAsNearAsNeighbours) {
   EXPECT_LT(find_thin_parts(disc_mesh(5, 0.3f), 1).share, 0.1) << "only its rim";
   const ThinParts thin = find_thin_parts(disc_mesh(5, 0.03f), 1);
   EXPECT_GT(thin.share, 0.95);
-  // The mean thickness of an ellipsoid over its disc is two thirds of the largest, the median √½ of it; places at the
-  // rim are asked more often.
+  // The mean thickness of an ellipsoid over its disc is two thirds of the largest, the median √½ of it; the rim is
+  // tested more often.
   EXPECT_GT(thin.thickness, 0.6 * 0.03);
   EXPECT_LT(thin.thickness, 0.75 * 0.03);
-  PointSet doubled = ball;  // some faces stand twice, once turned round
+  PointSet doubled = ball;  // some faces occur twice, once reversed
   for (std::size_t i = 0; i < ball.triangles.size(); i += 7)
     doubled.triangles.push_back({ball.triangles[i][0], ball.triangles[i][2], ball.triangles[i][1]});
   EXPECT_EQ(find_thin_parts(doubled, 1).share, 0);

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The different offsets of all positions from a place, in the order that neighbourhoods have.
+/// Distinct offsets of all positions from a point, in the order of neighbourhoods.
 std::vector<Vec3f> all_offsets(const std::vector<Vec3f>& points, const Vec3f& place) {
   std::vector<Vec3f> offsets;
   for (const Vec3f& p : points)
@@ -35,7 +35,7 @@ std::vector<Vec3f> ball_cluster(std::size_t n, float radius, std::uint64_t seed)
   return points;
 }
 
-/// Every neighbourhood is what is nearest of the whole cloud, and no larger than wanted.
+/// Every neighbourhood contains the nearest positions of the whole cloud, and no more than requested.
 void expect_nearest(const std::vector<Vec3f>& points, std::size_t size) {
   const std::vector<Neighbourhood> sample = sample_neighbourhoods(points, 40, size);
   ASSERT_FALSE(sample.empty());
@@ -70,7 +70,7 @@ TEST(NeighbourhoodSample, IsWhatBruteForceFinds) {
 TEST(NeighbourhoodSample, ManyTimesTheSamePointIsOnePoint) {
   PointSet points = sample_box(6000, {1, 1, 1}, 1);
   const double spacing = estimate_spacing(points);
-  // As a depth camera does it: zeros among the rest, more of them than of everything else.
+  // As in depth cameras: zeros among the samples, more than all other samples.
   PointSet camera;
   for (std::size_t i = 0; i < points.size(); ++i) {
     camera.positions.push_back(points.positions[i]);
@@ -85,7 +85,7 @@ TEST(NeighbourhoodSample, ManyTimesTheSamePointIsOnePoint) {
 }
 
 TEST(NeighbourhoodSample, AFewBallsAroundAllCostLittle) {
-  // Squares of distances in the cluster are 0, so that most balls have no radius: those of the others hold the cloud.
+  // Squared distances in the cluster are 0, so that most balls have radius zero, and the others contain the cloud.
   std::vector<Vec3f> points = ball_cluster(40, 1, 3);
   for (int i = 0; i < 400; ++i) points.push_back({1e-27f * static_cast<float>(i), 0, 0});
   const std::clock_t before = std::clock();

@@ -45,7 +45,7 @@ TEST(Noise, IsKnownWhereSamplesTell) {
 }
 
 TEST(Noise, OfCoarselySampledShapesCannotBeTold) {
-  // The samples are as far apart as the branches are thick: shape and noise look the same.
+  // The samples are as far apart as the branches are thick: shape and noise are indistinguishable.
   PointSet points;
   for (unsigned k = 0; k < 5; ++k) {
     PointSet ring = sample_torus(60, 1, 0.08f, 13 + k);

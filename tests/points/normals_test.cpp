@@ -12,7 +12,7 @@ namespace {
 
 using Method = NormalOptions::Method;
 
-// Mean angle to the true normals up to sign, in degrees.
+// Mean angle in degrees to the true normals, ignoring signs.
 double angle_error(PointSet points, const NormalOptions& options) {
   const std::vector<Vec3f> truth = points.normals;
   Progress progress;
@@ -30,7 +30,7 @@ TEST(LocalFrame, AxesDiagonaliseTheMatrix) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int trial = 0; trial < 2000; ++trial) {
-    // From volumes to needles and planes.
+    // From full volumes to needles and planes.
     const double thin = std::pow(10.0, -4.0 * (trial % 3)), flat = std::pow(10.0, -3.0 * (trial % 4));
     Symmetric3 m;
     for (int i = 0; i < 6; ++i) {
@@ -94,8 +94,8 @@ TEST(Normals, ReweightingKeepsCreasesSharp) {
 }
 
 TEST(Normals, WithstandNoise) {
-  // Noise as large as the spacing. The tilt of a plane through k samples falls with 1/k, so the 110 neighbours that
-  // such noise asks for beat a dozen by far.
+  // Noise as large as the spacing. The tilt of a plane through k samples is proportional to 1/k, so the 110 neighbours
+  // chosen for this noise are much better than a dozen.
   const PointSet points = sample_sphere(20000, 1, 0.025f, 6);
   EXPECT_LT(angle_error(points, {}), angle_error(points, {.neighbours = 14}) / 3);
 }

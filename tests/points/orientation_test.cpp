@@ -40,7 +40,7 @@ TEST(SignForest, KeepsRelativeSigns) {
 }
 
 TEST(Contract, FollowsTheMajority) {
-  // A ring of 100 nodes; each pair of neighbours has five right votes and two wrong ones.
+  // A ring of 100 nodes; each pair of neighbours has five correct votes and two wrong ones.
   std::mt19937 random(2);
   std::vector<int> sign(100);
   for (int& s : sign) s = random() & 1 ? 1 : -1;
@@ -117,7 +117,7 @@ TEST(Orientation, IsNotThereWhereNormalsAreAtRandom) {
   EXPECT_EQ(report.check, OrientationCheck::unoriented);
   EXPECT_LT(report.related, 0.1);
   EXPECT_NEAR(report.agreement, 0.5, 0.05);
-  // No choice of signs changes that.
+  // No choice of signs makes them consistent.
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
@@ -142,7 +142,7 @@ TEST(Orientation, SaysWhereNormalsLook) {
   EXPECT_EQ(report.open, 1) << "half a ball has no outside";
 }
 
-/// A ball with two rods, as thin as noise is large in the worst case.
+/// A ball with two rods whose thickness equals the noise in the worst case.
 PointSet ball_with_rods(std::size_t n, float noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> g;
@@ -153,7 +153,7 @@ PointSet ball_with_rods(std::size_t n, float noise, unsigned seed) {
     if (u(random) < 0.6f) {
       normal = random_direction(random);
       p = normal * 0.5f;
-      if (std::hypot(p.y, p.z) < 0.1f) continue;  // within the rods
+      if (std::hypot(p.y, p.z) < 0.1f) continue;  // inside the rods
     } else {
       const float a = 6.2831853f * u(random);
       normal = {0, std::cos(a), std::sin(a)};
@@ -189,7 +189,7 @@ TEST(Orientation, IsCertainOnlyWhereItIsRight) {
 }
 
 TEST(Orientation, RegionsThatAreTurnedRaiseDoubt) {
-  // Along a clean cut hardly any neighbour is contradicted.
+  // Along a clean cut hardly any neighbours contradict each other.
   PointSet points = sample_sphere(20000, 1, 0, 34);
   EXPECT_TRUE(measure_orientation(points).certain());
   EXPECT_LT(measure_orientation(points).doubt, 0.01);
@@ -206,7 +206,7 @@ TEST(Orientation, ThinPlatesAreOriented) {
 }
 
 TEST(Orientation, ScannersDecide) {
-  // The inside of a sphere, seen from its centre: outward is inward there.
+  // The inside of a sphere seen from its centre: the correct normals point inward.
   PointSet points = sample_sphere(4000, 1, 0, 13, {2, 0, 0});
   points.scanners = {{2, 0, 0}};
   points.scan_of_point.assign(points.size(), 0);
@@ -225,7 +225,7 @@ TEST(Orientation, ScannersThatSawNothingDecideNothing) {
   PointSet points = sample_sphere(4000, 1, 0, 13, {2, 0, 0});
   const std::vector<Vec3f> truth = points.normals;
   points.scanners = {{2, 0, 0}};
-  points.scan_of_point.assign(points.size(), 9);  // there is no such scanner
+  points.scan_of_point.assign(points.size(), 9);  // nonexistent scanner
   scramble_signs(points, 14);
   Progress progress;
   orient_normals(points, {}, progress);

@@ -39,7 +39,7 @@ TEST(Outliers, SmallDetachedClustersAreFoundAndLargeOnesKept) {
 }
 
 TEST(Outliers, SparseRegionsStay) {
-  // Density falls by four orders of magnitude from one pole to the other.
+  // The density decreases by four orders of magnitude from pole to pole.
   std::mt19937 random(6);
   std::uniform_real_distribution<float> u(0, 1);
   PointSet points;
@@ -94,7 +94,7 @@ TEST(Outliers, ScatteredClumpsAreFound) {
     const Vec3f center = random_direction(random) * 2;
     for (int i = 0; i < 40; ++i) points.positions.push_back(center + Vec3f{g(random), g(random), g(random)});
   }
-  // A rod as thick as a few spacings is a surface, however few samples it has.
+  // A rod a few spacings thick is a surface, even with few samples.
   std::uniform_real_distribution<float> u(0, 1);
   for (int i = 0; i < 400; ++i) {
     const float angle = 6.2831853f * u(random);
@@ -108,7 +108,7 @@ TEST(Outliers, ScatteredClumpsAreFound) {
 }
 
 TEST(Outliers, OneStepOfTheCoordinatesIsNoDistance) {
-  // A wall as a sensor of few digits sees it: depths in steps of two spacings, some of them one step off.
+  // A wall seen by a low-resolution sensor: depths in steps of two spacings, some of them one step off.
   PointSet points;
   const float spacing = 0.01f, step = 0.02f;
   for (int i = 0; i < 150; ++i)

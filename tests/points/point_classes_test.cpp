@@ -29,7 +29,7 @@ TEST(PointClasses, NamesNumbersAndRanges) {
   EXPECT_EQ(parse_point_classes("wire"), of({13, 14, 16}));
   EXPECT_EQ(parse_point_classes("0-255").count(), 256u);
   EXPECT_EQ(parse_point_classes("64,255"), of({64, 255}));
-  // Each name stands for its own number.
+  // Each name has a distinct number.
   std::size_t named = 0;
   for (unsigned c = 0; c < 256; ++c) {
     const std::string_view name = point_class_name(c);
@@ -67,7 +67,7 @@ PointSet classified(const char* name, std::size_t n) {
   return points;
 }
 
-/// The points of the classes, in order, whatever type of numbers and whichever name the attribute has.
+/// Selects the points of the classes, in order, for all number types and attribute names.
 TEST(PointClasses, ChooseAmongPoints) {
   const auto expect = [](const PointSet& all) {
     const Attribute& classes = *find_point_classes(all);
@@ -108,7 +108,7 @@ TEST(PointClasses, NoneAndNothingLeftAreErrors) {
   EXPECT_EQ(count_point_classes(points.attributes[0])[0], 0u);
 }
 
-/// What is prepared of a cloud with points of other classes is what is prepared of it without them.
+/// Preparing a cloud with additional points of other classes equals preparing it without them.
 TEST(PointClasses, ArePartOfTheUseOfClouds) {
   PointSet cloud = test::sphere(2000);
   cloud.attributes.clear();

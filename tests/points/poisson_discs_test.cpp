@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Points of a cube of that edge.
+/// Random points of a cube with this edge.
 std::vector<Vec3> cloud(std::size_t n, double edge, Vec3 corner = {}, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, edge);
@@ -19,7 +19,7 @@ std::vector<Vec3> cloud(std::size_t n, double edge, Vec3 corner = {}, unsigned s
   return points;
 }
 
-/// Checks both halves of the definition by comparing all with all; `slack`: rounding, over the radius.
+/// Checks both properties of the definition by comparing all pairs; `slack`: rounding relative to the radius.
 void expect_discs(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& kept, double radius,
                   double slack = 0) {
   EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
@@ -57,7 +57,7 @@ TEST(PoissonDiscs, AreTheSameEveryTimeAndDoNotFollowTheArray) {
   const auto kept = poisson_discs(line, radius);
   EXPECT_EQ(poisson_discs(line, radius), kept);
   expect_discs(line, kept, radius);
-  // Taken in the order of the array, each would be the tenth after the one before.
+  // In array order, each would be the tenth after the previous one.
   std::size_t tenths = 0;
   for (std::size_t i = 1; i < kept.size(); ++i) tenths += kept[i] - kept[i - 1] == 10;
   EXPECT_LT(tenths + 5, kept.size());
@@ -75,13 +75,13 @@ TEST(PoissonDiscs, OfFewOrEqualPoints) {
 }
 
 TEST(PoissonDiscs, CellsBeyondTheBitsOfTheHashDoNotMix) {
-  // Clusters whose cells have the same last 21 bits: with wrong look-ups they would block or miss one another.
+  // Clusters whose cells agree in the last 21 bits: wrong look-ups would block or miss points.
   const double radius = 0.1, period = radius * (1 << 21);
   std::vector<Vec3> points;
   for (const Vec3& corner : {Vec3{}, Vec3{period, 0, 0}, Vec3{0, -period, period}, Vec3{-3 * period, 5 * period, 0}})
     for (const Vec3& p : cloud(500, 1, corner)) points.push_back(p);
   expect_discs(points, poisson_discs(points, radius), radius);
-  // Across the place where the bits begin anew.
+  // Across the wrap-around of the bits.
   for (const double at : {0.0, period / 2, period, -period}) {
     const std::vector<Vec3> near = cloud(1500, 1, {at - 0.5, -at - 0.5, at - 0.5});
     expect_discs(near, poisson_discs(near, radius), radius);
@@ -93,7 +93,7 @@ TEST(PoissonDiscs, HugeCoordinates) {
     const std::vector<Vec3> points = cloud(1500, 1, {far, far, -far});
     expect_discs(points, poisson_discs(points, 0.1), 0.1);
   }
-  // Farther away than there are numbers of cells: all are different places.
+  // Beyond the range of cell numbers all points are distinct.
   const std::vector<Vec3> points = cloud(300, 1e40, {-5e39, -5e39, -5e39});
   EXPECT_EQ(poisson_discs(points, 1e-3).size(), points.size());
   expect_discs(points, poisson_discs(points, 1e39), 1e39);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kEdge = 0.1f;
 
-/// A square lattice in z = 0, with a square hole in the middle.
+/// Square lattice in z = 0 with a square hole in the centre.
 PointSet lattice(float hole) {
   PointSet cloud;
   for (int i = -20; i <= 20; ++i)

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A rectangle 3 × 1 in two triangles, another parallel to it of four times the area, and two triangles that are none.
+/// A rectangle 3 × 1 of two triangles, a parallel one of four times the area, and two invalid triangles.
 PointSet rectangles() {
   PointSet mesh;
   mesh.positions = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}, {0, 0, 5}, {6, 0, 5}, {6, 2, 5}, {0, 2, 5}};
@@ -86,7 +86,7 @@ TEST(SampleFaces, VerticesOfAMeshedScanSuffice) {
   EXPECT_TRUE(vertices_are_dense(grid(60)));
   EXPECT_FALSE(vertices_are_dense(grid(10))) << "121 vertices are too few";
   EXPECT_FALSE(vertices_are_dense(rectangles()));
-  PointSet fan = grid(60);  // a fine part beside one triangle as large as all of it
+  PointSet fan = grid(60);  // a fine part beside one triangle of the same total area
   fan.positions.insert(fan.positions.end(), {{100, 0, 0}, {200, 0, 0}, {100, 70, 0}});
   fan.triangles.push_back({3721, 3722, 3723});
   EXPECT_FALSE(vertices_are_dense(fan));

@@ -26,7 +26,7 @@ inline Vec3f random_direction(std::mt19937& random) {
   return normalized(d);
 }
 
-/// Uniform samples of a sphere, displaced isotropically by Gaussian noise.
+/// Uniform samples of a sphere with isotropic Gaussian noise.
 inline PointSet sample_sphere(std::size_t n, float radius, float noise, unsigned seed, Vec3f center = {}) {
   std::mt19937 random(seed);
   std::normal_distribution<float> g;
@@ -58,7 +58,7 @@ inline PointSet sample_box(std::size_t n, Vec3f half, unsigned seed, Vec3f cente
   return points;
 }
 
-/// Samples of a torus, uniform in its angles.
+/// Samples of a torus, uniform in both angles.
 inline PointSet sample_torus(std::size_t n, float major, float minor, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> u(0, 6.2831853f);
@@ -77,14 +77,14 @@ inline void append(PointSet& points, const PointSet& more) {
   points.normals.insert(points.normals.end(), more.normals.begin(), more.normals.end());
 }
 
-/// Turns random normals around.
+/// Flips random normals.
 inline void scramble_signs(PointSet& points, unsigned seed) {
   std::mt19937 random(seed);
   for (Vec3f& n : points.normals)
     if (random() & 1) n = -n;
 }
 
-/// The fraction of normals on the side of the true ones.
+/// Fraction of normals with the correct sign.
 inline double fraction_correct(const PointSet& points, const std::vector<Vec3f>& truth) {
   std::size_t correct = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) correct += dot(points.normals[i], truth[i]) > 0;

@@ -1,4 +1,4 @@
-// Polygons in cells against the simplices that the cells consist of.
+// Cell polygons compared with the surface in the cell's simplices.
 #include "sansmesh/polygonize/cell_polygons.h"
 
 #include <gtest/gtest.h>
@@ -19,15 +19,16 @@ using Edge = std::pair<int, int>;
 
 Edge edge_of(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Of each point on the cell's faces where the simplices' surface passes, the next one: around the twelve triangles
-/// that the simplices have on the faces, from where the sign gets negative to where it gets positive.
+/// Successor of each crossing point on the cell's faces in the simplices' surface: around the twelve triangles of the
+/// simplices on the faces, from the change to negative to the change to positive.
 std::map<Edge, Edge> next_by_simplices(unsigned negative, int outer) {
   std::map<Edge, Edge> next;
   const auto below = [&](int c) { return (negative >> c & 1u) != 0; };
   for (int first = 0; first < 3; ++first)
     for (int second = 0; second < 3; ++second) {
       if (first == second) continue;
-      // outer, along one direction, along two, the opposite corner: a simplex. Two of its faces lie on the cell's.
+      // outer, one step along each of three axes in turn, the opposite corner: a simplex. Two of its faces are on the
+      // cell's.
       const int a = outer, b = outer ^ 1 << first, c = b ^ 1 << second, d = outer ^ 7;
       const bool even = (second - first + 3) % 3 == 1;
       const int flips = (outer & 1) + (outer >> 1 & 1) + (outer >> 2 & 1);
@@ -70,7 +71,7 @@ TEST(CellPolygons, OnSplitFacesTheyAreWhatSimplicesHave) {
     }
 }
 
-/// Neighbours need not ask each other: what a polygon does on a face follows from that face.
+/// Neighbours agree without communication: a polygon on a face depends on that face only.
 TEST(CellPolygons, OtherFacesLeaveOutThePointsAcrossThem) {
   CellPolygons all, found;
   for (std::size_t outer = 0; outer < 8; ++outer)
@@ -114,7 +115,7 @@ TEST(CellPolygons, TrianglesFillPolygonsAndAvoidThinOnes) {
     EXPECT_NEAR(twice_area(corner, triangles, {0, 0, 1}),
                 3 * static_cast<double>(n) * std::sin(2 * std::numbers::pi / static_cast<double>(n)), 1e-12);
   }
-  // A point in the middle of a side: no triangle is that side.
+  // A point in the middle of a side: no triangle may be degenerate there.
   for (std::size_t turn = 0; turn < 5; ++turn) {
     std::vector<Vec3> corner{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
     std::rotate(corner.begin(), corner.begin() + static_cast<std::ptrdiff_t>(turn), corner.end());

@@ -51,11 +51,11 @@ double value_at(const ScalarField& field, const Vec3& x, Vec3* gradient = nullpt
   return f;
 }
 
-/// Distances of the mesh from the zero set: at vertices, and anywhere on triangles.
+/// Distances of the mesh from the zero set, at vertices and on triangles.
 struct Gaps {
   double vertices = 0, triangles = 0;
   std::size_t folded = 0;  ///< triangles turned by more than 75° against the surface
-  double small_share = 0;  ///< of triangles with an angle below 5°
+  double small_share = 0;  ///< share of triangles with an angle below 5°
 };
 
 Gaps gaps_of(const TriangleMesh& mesh, const ScalarField& field) {
@@ -82,7 +82,7 @@ Gaps gaps_of(const TriangleMesh& mesh, const ScalarField& field) {
   return gaps;
 }
 
-/// How many pieces vanish at each vertex.
+/// Number of pieces that vanish at each vertex.
 std::vector<int> pieces_at(const TriangleMesh& mesh, const PiecewiseField& field, double tolerance) {
   std::vector<int> count(mesh.vertices.size(), 0);
   for (std::size_t v = 0; v < count.size(); ++v)
@@ -100,7 +100,7 @@ struct Case {
   Solid solid;
   long euler;
   double volume;  ///< 0: not compared
-  double gap;     ///< largest distance of a triangle from the surface: chords of what is curved
+  double gap;     ///< largest distance of a triangle from the surface: chords of curved parts
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -160,7 +160,7 @@ TEST_P(CreaseMesh, IsClosedExactAndOfGoodShape) {
   EXPECT_EQ(topology.euler, c.euler);
   const Gaps gaps = gaps_of(mesh, field);
   EXPECT_LT(gaps.vertices, 1e-6);
-  EXPECT_LT(gaps.triangles, c.gap);  // no triangle reaches across a crease: that would be a gap of up to 0.03
+  EXPECT_LT(gaps.triangles, c.gap);  // no triangle crosses a crease, which would give a gap of up to 0.03
   EXPECT_EQ(gaps.folded, 0u);
   EXPECT_LT(gaps.small_share, 1e-3);
   if (c.volume > 0) {
@@ -181,7 +181,7 @@ TEST(CreaseMeshOf, ACubeHasItsTwelveEdgesAndEightCorners) {
   const TriangleMesh mesh = mesh_of(field);
   const std::vector<int> pieces = pieces_at(mesh, field, 1e-6);
   EXPECT_EQ(std::count(pieces.begin(), pieces.end(), 3), 8);
-  // The edges that run along creases: as long as the cube's edges together.
+  // The total length of crease edges is that of the cube's edges.
   double length = 0;
   for (const Triangle& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -211,7 +211,7 @@ double crease_drift(const TriangleMesh& mesh, const PiecewiseField& field) {
     for (const std::uint32_t v : t) around[v].push_back(piece);
   }
   for (std::size_t v = 0; v < around.size(); ++v) {
-    if (std::equal(around[v].begin() + 1, around[v].end(), around[v].begin())) continue;  // smooth: balanced, maybe
+    if (std::equal(around[v].begin() + 1, around[v].end(), around[v].begin())) continue;  // smooth, possibly balanced
     for (const std::uint32_t p : around[v]) {
       const Vec3 x = mesh.origin + Vec3(mesh.vertices[v]);
       double f = 1;
@@ -248,7 +248,7 @@ TEST(CreaseMeshOf, BalanceHalvesTheErrorOfTheVolume) {
   const SolidField field(intersect({ball({0, 0, 0}, 0.7), half_space({0.3, 0.2, 1}, 0.2)}));
   PolygonizeOptions options;
   const double h =
-      0.7 + 0.2;  // height of what is left of the ball: the half-space's offset is measured from its centre
+      0.7 + 0.2;  // height of the remaining part of the ball: the half-space's offset is measured from its centre
   const double volume = kPi * h * h * (0.7 - h / 3);
   const double plain = measure_quality(mesh_of(field)).volume - volume;
   const double balanced = measure_quality(mesh_of(field, 5, options)).volume - volume;
@@ -257,8 +257,8 @@ TEST(CreaseMeshOf, BalanceHalvesTheErrorOfTheVolume) {
   EXPECT_LT(crease_drift(mesh_of(field, 5, options), field), 1e-6);
 }
 
-// Random solids on a lattice that is too coarse for some of their features: wrong there, but closed, manifold and free
-// of wild vertices everywhere.
+// Random solids on a lattice that is too coarse for some of their features: wrong there, but closed, manifold and
+// without stray vertices.
 TEST(CreaseMeshOf, WhatTheLatticeCannotResolveDoesNoHarm) {
   SANSMESH_NOT_SANITIZED("judges topology; others mesh creases, too");
   std::mt19937 generator(7);

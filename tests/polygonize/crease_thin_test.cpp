@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A flat disc of two rings about vertex 0, closed by a cone below, whose faces are pieces of their own.
+/// A flat disc of two rings about vertex 0, closed by a cone below, whose faces are separate pieces.
 PieceMesh disc(std::mt19937& random, unsigned n) {
   std::uniform_real_distribution<double> uniform(0, 1);
   PieceMesh mesh;
@@ -37,7 +37,7 @@ PieceMesh disc(std::mt19937& random, unsigned n) {
   return mesh;
 }
 
-/// Triangles of the flat piece that look down, and the area of the others.
+/// Number of triangles of the flat piece that face down, and the area of the others.
 std::pair<int, double> turned_and_area(const PieceMesh& mesh) {
   int turned = 0;
   double area = 0;

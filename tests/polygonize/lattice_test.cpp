@@ -101,7 +101,7 @@ TEST(Lattice, SimplicesOfARandomTreeShareEveryInnerFaceByTwo) {
 TEST(BlockTree, BalanceLeavesNoNeighboursTwoLevelsApart) {
   BlockTree tree({0, 0, 0}, 1);
   std::size_t at = 0;
-  for (int l = 0; l < 7; ++l) at = tree.subdivide(at) + 7;  // always the far corner, next to the root's middle at last
+  for (int l = 0; l < 7; ++l) at = tree.subdivide(at) + 7;  // always the far corner, ending next to the root's centre
   tree.balance();
   const std::vector<std::uint32_t> leaves = tree.leaves();
   double volume = 0;

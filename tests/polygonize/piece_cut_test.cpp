@@ -1,4 +1,4 @@
-// The cut of minima and maxima of planes: closed however many of them meet in one place.
+// Cuts of minima and maxima of planes are closed, however many planes meet at a point.
 #include "sansmesh/polygonize/piece_cut.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Kind = PieceNode::Kind;
 
-/// Planes, put together by least() and greatest().
+/// Planes combined by least() and greatest().
 class Planes final : public PieceExpression {
  public:
   /// The half-space behind the plane through a point; values are `steepness` times distances.
@@ -60,7 +60,7 @@ class Planes final : public PieceExpression {
   std::vector<Plane> planes_;
 };
 
-/// Cut in the blocks of `field`, or those of another.
+/// Cuts `field` in its own blocks, or in those of another field.
 CutPieces cut(const PieceExpression& field, const PieceExpression* of_blocks = nullptr) {
   Progress progress;
   PieceBlockOptions options;
@@ -79,7 +79,7 @@ MeshTopology topology_of(const CutPieces& pieces) {
 
 constexpr Vec3 kTip{0.1234, 0.0567, 0.0345};
 
-/// What lies in a small cube at the tip, and in one of so many half-spaces that end one `step` after the other.
+/// A small cube at the tip, intersected with the union of `count` half-spaces that end at multiples of `step`.
 std::uint32_t in_one_of(Planes& field, int count, double step, double half) {
   std::uint32_t any = 0;
   for (int k = 0; k < count; ++k) {
@@ -89,8 +89,8 @@ std::uint32_t in_one_of(Planes& field, int count, double step, double half) {
   return field.greatest(field.cube(kTip, half), any);
 }
 
-/// A plane is the surface as far as one of many half-spaces reaches: each of them parts it, and only the last one ends
-/// it. Seen from beside a face that is one long side; from the other side it is one of more than a hundred parts.
+/// A plane is part of the surface as far as one of many half-spaces reaches: each divides it, and only the last one
+/// ends it. In one simplex of a face this is one long side, in the other more than a hundred parts.
 TEST(PieceCut, SidesOfManyPartsMeetOneSide) {
   for (const int count : {20, 120}) {
     Planes field;
@@ -147,7 +147,7 @@ TEST(PieceCut, BlocksHoldUpTo251Pieces) {
   }
 }
 
-/// Blocks are an eighth of the root or less: values of what lies in them are a part of its edge then.
+/// Blocks are at most an eighth of the root, so values in them are a fraction of its edge.
 TEST(PieceCut, CellsAsLargeAsTheSolidAreASmallPartOfTheRoot) {
   Planes field;
   const std::uint32_t plane = field.plane({0.3, 0.2, 1}, kTip);
@@ -160,7 +160,7 @@ TEST(PieceCut, CellsAsLargeAsTheSolidAreASmallPartOfTheRoot) {
   }
 }
 
-/// Integers would not hold such values: an error, not a surface of other signs.
+/// Integers cannot represent such values: an error, not a surface with other signs.
 TEST(PieceCut, ValuesThatAreNoDistancesAreAnError) {
   Planes gentle;
   const std::uint32_t flat = gentle.plane({0.3, 0.2, 1}, kTip);

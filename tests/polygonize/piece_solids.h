@@ -1,4 +1,4 @@
-// Solids made of half-spaces, balls and cylinders, as the tests of creases want them: exact, small, slow.
+// Solids of half-spaces, balls and cylinders for tests of creases: exact, small, slow.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ inline Solid ball(const Vec3& centre, double radius) {
           },
           {}};
 }
-/// Endless.
+/// Infinite.
 inline Solid cylinder(const Vec3& point, const Vec3& axis, double radius) {
   const Vec3 a = normalized(axis);
   return {Solid::Kind::kPiece,
@@ -60,7 +60,7 @@ inline Solid complement(Solid part) {
 }
 inline Solid subtract(Solid a, Solid b) { return intersect({std::move(a), complement(std::move(b))}); }
 
-/// Rows of a rotation matrix that has nothing to do with the lattice's axes.
+/// Rows of a rotation matrix that is unrelated to the lattice's axes.
 inline std::array<Vec3, 3> tilted_axes() {
   const Vec3 a = normalized(Vec3{0.8, 0.33, 0.21});
   const Vec3 b = normalized(cross(a, Vec3{0.1, -0.3, 0.9}));

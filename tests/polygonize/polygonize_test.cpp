@@ -9,47 +9,37 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "support/any_threads.h"
+#include "support/formula_field.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A field from a formula, with gradients by differences.
-class Formula : public ScalarField {
- public:
-  explicit Formula(std::function<double(const Vec3&)> f) : f_(std::move(f)) {}
-  Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      values[i] = f_(x[i]);
-      if (gradients.empty()) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        Vec3 ahead = x[i], behind = x[i];
-        ahead[k] += 1e-5, behind[k] -= 1e-5;
-        gradients[i][k] = (f_(ahead) - f_(behind)) / 2e-5;
-      }
-    }
-  }
+using test::FormulaField;
 
- private:
-  std::function<double(const Vec3&)> f_;
-};
+const Box3 kUnitCube = test::cube_around_origin(1);
 
-const Formula kSphere([](const Vec3& x) { return norm(x) - 0.61; });
-const Formula kTorus([](const Vec3& x) { return std::hypot(std::hypot(x.x, x.y) - 0.6, x.z) - 0.23; });
-const Formula kTwo([](const Vec3& x) {
-  return std::min(norm(x - Vec3{0.4, 0, 0}) - 0.3, norm(x + Vec3{0.4, 0.1, 0}) - 0.25);
-});
-const Formula kBox([](const Vec3& x) {
-  return std::max({std::abs(x.x) - 0.57, std::abs(x.y) - 0.43, std::abs(x.z) - 0.31});
-});
+const FormulaField kSphere([](const Vec3& x) { return norm(x) - 0.61; }, kUnitCube);
+const FormulaField kTorus([](const Vec3& x) { return std::hypot(std::hypot(x.x, x.y) - 0.6, x.z) - 0.23; }, kUnitCube);
+const FormulaField kTwo(
+    [](const Vec3& x) {
+      return std::min(norm(x - Vec3{0.4, 0, 0}) - 0.3, norm(x + Vec3{0.4, 0.1, 0}) - 0.25);
+    },
+    kUnitCube);
+const FormulaField kBox(
+    [](const Vec3& x) {
+      return std::max({std::abs(x.x) - 0.57, std::abs(x.y) - 0.43, std::abs(x.z) - 0.31});
+    },
+    kUnitCube);
 /// Many handles: the hardest topology for a coarse lattice.
-const Formula kGyroid([](const Vec3& x) {
-  const Vec3 p = x * 9.0;
-  const double g = std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x);
-  return std::max(std::abs(g) / 9 - 0.04, norm(x) - 0.85);
-});
+const FormulaField kGyroid(
+    [](const Vec3& x) {
+      const Vec3 p = x * 9.0;
+      const double g = std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x);
+      return std::max(std::abs(g) / 9 - 0.04, norm(x) - 0.85);
+    },
+    kUnitCube);
 
 BlockTree uniform_tree(int level) {
   BlockTree tree({-1, -1, -1}, 2);
@@ -79,7 +69,7 @@ TEST(Polygonize, MeshesAreClosedManifoldsOfTheRightGenusOnAnyTree) {
     for (unsigned seed = 0; seed < 4; ++seed) {
       const BlockTree tree = seed == 0 ? uniform_tree(4) : random_tree(seed, 4, 6);
       for (const auto& [field, euler] :
-           {std::pair<const Formula*, long>{&kSphere, 2}, {&kTorus, 0}, {&kTwo, 4}, {&kBox, 2}}) {
+           {std::pair<const FormulaField*, long>{&kSphere, 2}, {&kTorus, 0}, {&kTwo, 4}, {&kBox, 2}}) {
         const test::Topology t = test::topology_of(extract(*field, tree, options));
         EXPECT_TRUE(t.closed_manifold()) << "cluster " << cluster << " seed " << seed;
         EXPECT_EQ(t.euler, euler) << "cluster " << cluster << " seed " << seed;
@@ -99,7 +89,8 @@ TEST(Polygonize, StaysAClosedManifoldWhereTheLatticeIsTooCoarseForTheShape) {
 }
 
 TEST(Polygonize, IsClosedWhereTheSurfaceLeavesTheCube) {
-  const Formula slab([](const Vec3& x) { return x.z - 0.13 * std::sin(3 * x.x); });  // everything below a wavy sheet
+  const FormulaField slab([](const Vec3& x) { return x.z - 0.13 * std::sin(3 * x.x); },
+                          kUnitCube);  // everything below a wavy sheet
   for (const bool cluster : {false, true}) {
     PolygonizeOptions options;
     options.cluster = cluster;

@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// By formula: no steeper than `slope` in space and than `speed` in time.
+/// A formula with a slope of at most `slope` in space and `speed` in time.
 class FormulaInTime final : public TimeField {
  public:
   FormulaInTime(std::function<double(const Vec3&, double)> f, double speed, double reach = 2, double slope = 1)
@@ -51,7 +51,7 @@ double ball_radius(double t) { return 0.5 + 0.3 * (t - 2); }
 FormulaInTime moving_ball() {
   return {[](const Vec3& x, double t) { return norm(x - ball_center(t)) - ball_radius(t); }, 2};
 }
-/// Balls that come towards each other, smoothly joined: two, then one.
+/// Two balls that approach each other with a smooth union: two components, then one.
 FormulaInTime meeting_balls() {
   return {[](const Vec3& x, double t) {
             const double d = 1.1 - (t - 2), k = 8;
@@ -81,7 +81,7 @@ void expect_solid(const TriangleMesh& mesh, std::size_t components, long genus) 
   EXPECT_GT(measure_size(mesh).volume, 0);
 }
 
-// Moments of the lattice, next to such, and any others.
+// Moments of the lattice, close to it, and others.
 const std::vector<double> kMoments{2,       2.0625, 2.0625 + 1e-13, 2.1,    2.25,    2.3333,
                                    2.46875, 2.5,    2.71828,        2.9375, 2.99999, 3};
 
@@ -119,7 +119,7 @@ TEST(SpaceTimeSurface, ErrorsFallWithTheSquareOfTheCell) {
 TEST(SpaceTimeSurface, TopologyChangesAsThatOfTheField) {
   SANSMESH_NOT_SANITIZED("judges topology; others make slices, too");
   const FormulaInTime balls = meeting_balls();
-  // They touch when the middle comes inside: −log(2 exp(−k a))/k = 0, that is a = log(2)/k.
+  // They touch when the midpoint becomes inside: −log(2 exp(−k a))/k = 0, that is a = log(2)/k.
   const double touch = 3.1 - std::sqrt(std::pow(0.6 + std::log(2) / 8, 2) - 0.02 * 0.02 - 0.03 * 0.03);
   const SpaceTimeSurface surface = divided(balls, 0.125, 0.0625);
   for (const double t : kMoments) {
@@ -179,8 +179,8 @@ double determinant4(const std::array<Point4, 4>& rows) {
   return d;
 }
 
-// The 3-manifold: every triangle belongs to two tetrahedra, which run through it in opposite directions, or lies at the
-// first or last moment. Cutting its tetrahedra gives the slices.
+// The 3-manifold: every triangle belongs to two tetrahedra of opposite orientation, or is at the first or last moment.
+// Cutting its tetrahedra gives the slices.
 TEST(SpaceTimeSurface, TetrahedraAreAManifoldWhoseCutsAreTheSlices) {
   SANSMESH_NOT_SANITIZED("others make slices, too");
   const FormulaInTime balls = meeting_balls();
@@ -213,7 +213,7 @@ TEST(SpaceTimeSurface, TetrahedraAreAManifoldWhoseCutsAreTheSlices) {
     for (const std::uint32_t v : face) EXPECT_EQ(mesh.vertices[v][3], t);
   }
   EXPECT_GT(ends, 100u);
-  // Tetrahedra look to where the field is larger.
+  // Tetrahedra are oriented towards larger field values.
   std::size_t right = 0, judged = 0;
   for (const auto& tet : mesh.tetrahedra) {
     Point4 middle{};
@@ -249,7 +249,7 @@ TEST(SpaceTimeSurface, TetrahedraAreAManifoldWhoseCutsAreTheSlices) {
         const double u = (t - a[3]) / (b[3] - a[3]);
         corners.push_back(Vec3{a[0], a[1], a[2]} * (1 - u) + Vec3{b[0], b[1], b[2]} * u);
       };
-      // In order round the quadrilateral.
+      // In order around the quadrilateral.
       for (std::size_t i = 0; i < below.size(); ++i)
         for (std::size_t k = 0; k < above.size(); ++k) add(below[i], above[i % 2 == 0 ? k : above.size() - 1 - k]);
       for (std::size_t k = 2; k < corners.size(); ++k)

@@ -53,7 +53,7 @@ TEST(SurfaceChain, SeparatesSheetsThatTouchInAVertex) {
 }
 
 TEST(SurfaceChain, UndoesMergesThatGlueAlongAnEdge) {
-  // Two tetrahedra that share the edge 0-1 as long as vertex 0 is merged; apart (crossing points 0-8, 0-9) once it is
+  // Two tetrahedra that share the edge 0-1 while vertex 0 is merged, and separate (crossing points 0-8, 0-9) once it is
   // not.
   std::vector<std::uint8_t> merged(10, 1);
   int calls = 0;
@@ -78,8 +78,8 @@ TEST(SurfaceChain, UndoesMergesThatGlueAlongAnEdge) {
   EXPECT_TRUE(check(chain).closed_manifold());
 }
 
-/// Pairs of tetrahedra that are glued along an edge as long as its vertices are merged, in a row: pair i shares its
-/// last lattice vertex with the next one, and is a block.
+/// A row of pairs of tetrahedra that are glued along an edge while its vertices are merged: pair i is a block and
+/// shares its last lattice vertex with the next one.
 struct Row {
   std::uint32_t pairs;
   std::vector<std::size_t> marched = {};
@@ -133,7 +133,7 @@ TEST(SurfaceChain, LooksOnlyAroundWhatWasUndoneAndFindsTheSame) {
   EXPECT_EQ(local.vertices, all.vertices);
   EXPECT_EQ(local.triangles, all.triangles);
   EXPECT_TRUE(check(local).closed_manifold());
-  // Once everything, what is near, everything.
+  // All, then the neighbourhood, then all.
   ASSERT_EQ(row.marched.size(), 3u);
   EXPECT_EQ(row.marched[0], row.marched[2]);
   EXPECT_GT(row.marched[1], 0u);

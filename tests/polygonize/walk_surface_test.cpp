@@ -13,6 +13,7 @@
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
+#include "support/formula_field.h"
 #include "support/mesh_checks.h"
 #include "support/same_bytes.h"
 #include "support/sanitizers.h"
@@ -20,39 +21,27 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A field from a formula, with gradients by differences.
-class WalkedFormula : public ScalarField {
- public:
-  explicit WalkedFormula(std::function<double(const Vec3&)> f) : f_(std::move(f)) {}
-  Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      values[i] = f_(x[i]);
-      if (gradients.empty()) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        Vec3 ahead = x[i], behind = x[i];
-        ahead[k] += 1e-5, behind[k] -= 1e-5;
-        gradients[i][k] = (f_(ahead) - f_(behind)) / 2e-5;
-      }
-    }
-  }
+using test::FormulaField;
 
- private:
-  std::function<double(const Vec3&)> f_;
-};
+const Box3 kFormulaCube = test::cube_around_origin(1);
 
-const WalkedFormula kBall([](const Vec3& x) { return norm(x - Vec3{0.013, 0.007, -0.011}) - 0.61; });
-const WalkedFormula kRing([](const Vec3& x) { return std::hypot(std::hypot(x.x, x.y) - 0.6, x.z - 0.003) - 0.23; });
-const WalkedFormula kPair([](const Vec3& x) {
-  return std::min(norm(x - Vec3{0.43, 0.01, 0.02}) - 0.31, norm(x + Vec3{0.43, 0.1, 0.03}) - 0.27);
-});
-const WalkedFormula kCut([](const Vec3& x) { return norm(x - Vec3{0.9, 0.1, 0.2}) - 0.6; });
-/// Many handles and two sheets close by: moves of lattice vertices are not always possible.
-const WalkedFormula kShell([](const Vec3& x) {
-  const Vec3 p = x * 9.0;
-  const double g = std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x);
-  return std::max(std::abs(g) / 9 - 0.04, norm(x) - 0.85);
-});
+const FormulaField kBall([](const Vec3& x) { return norm(x - Vec3{0.013, 0.007, -0.011}) - 0.61; }, kFormulaCube);
+const FormulaField kRing([](const Vec3& x) { return std::hypot(std::hypot(x.x, x.y) - 0.6, x.z - 0.003) - 0.23; },
+                         kFormulaCube);
+const FormulaField kPair(
+    [](const Vec3& x) {
+      return std::min(norm(x - Vec3{0.43, 0.01, 0.02}) - 0.31, norm(x + Vec3{0.43, 0.1, 0.03}) - 0.27);
+    },
+    kFormulaCube);
+const FormulaField kCut([](const Vec3& x) { return norm(x - Vec3{0.9, 0.1, 0.2}) - 0.6; }, kFormulaCube);
+/// Many handles and two sheets close together: lattice vertices cannot always move.
+const FormulaField kShell(
+    [](const Vec3& x) {
+      const Vec3 p = x * 9.0;
+      const double g = std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x);
+      return std::max(std::abs(g) / 9 - 0.04, norm(x) - 0.85);
+    },
+    kFormulaCube);
 
 BlockTree even_blocks(int level) {
   BlockTree tree({-1, -1, -1}, 2);
@@ -61,7 +50,7 @@ BlockTree even_blocks(int level) {
   return tree;
 }
 
-/// Of levels 2 to `most`, as chance has it.
+/// Blocks of random levels from 2 to `most`.
 BlockTree uneven_blocks(unsigned seed, int most) {
   std::mt19937 random(seed);
   BlockTree tree({-1, -1, -1}, 2);
@@ -70,7 +59,7 @@ BlockTree uneven_blocks(unsigned seed, int most) {
   return tree;
 }
 
-/// Places all over the cube: every sheet that is not tiny has some in its simplices.
+/// Points all over the cube: every sheet that is not tiny has some in its simplices.
 std::vector<Vec3> many_seeds() {
   std::vector<Vec3> seeds;
   for (int z = 0; z < 30; ++z)
@@ -85,7 +74,7 @@ TriangleMesh walked_mesh(const ScalarField& field, const BlockTree& tree, double
   return walk_surface(field, tree, {}, {displacement, std::move(seeds)}, progress, report);
 }
 
-/// Every block visited, every vertex left where the lattice's edges are cut.
+/// Extraction from all blocks, with vertices exactly on the lattice's edges.
 TriangleMesh visited_mesh(const ScalarField& field, const BlockTree& tree) {
   PolygonizeOptions options;
   options.cluster = options.creases = options.balance = false;
@@ -95,7 +84,7 @@ TriangleMesh visited_mesh(const ScalarField& field, const BlockTree& tree) {
 }
 
 TEST(WalkSurface, FindsWhatAVisitOfAllBlocksFinds) {
-  for (const WalkedFormula* field : {&kBall, &kRing, &kPair, &kCut})
+  for (const FormulaField* field : {&kBall, &kRing, &kPair, &kCut})
     for (unsigned seed = 0; seed < 4; ++seed) {
       SCOPED_TRACE(seed);
       const BlockTree tree = uneven_blocks(seed, 5);
@@ -103,13 +92,13 @@ TEST(WalkSurface, FindsWhatAVisitOfAllBlocksFinds) {
       ASSERT_GT(walk.triangles.size(), 500u);
       EXPECT_EQ(walk.triangles.size(), all.triangles.size());
       ASSERT_EQ(walk.vertices.size(), all.vertices.size());
-      // The same places, and as often: next to lattice vertices several edges are cut in one place.
+      // Equal positions with equal multiplicities: near lattice vertices several edges are cut at one point.
       const KdTree here(walk.vertices), there(all.vertices);
       for (const Vec3f& v : walk.vertices) {
         EXPECT_GT(there.count_within(v, 1e-5f), 0u);
         EXPECT_EQ(here.count_within(v, 1e-3f), there.count_within(v, 1e-3f));
       }
-      // The cut of a simplex is flat, whichever diagonal it has.
+      // The cut of a simplex is planar, whichever diagonal divides it.
       const MeshQuality a = measure_quality(walk), b = measure_quality(all);
       EXPECT_NEAR(a.area, b.area, 1e-5);
       EXPECT_NEAR(a.volume, b.volume, 1e-5);
@@ -118,7 +107,7 @@ TEST(WalkSurface, FindsWhatAVisitOfAllBlocksFinds) {
 
 TEST(WalkSurface, IsAClosedManifoldAlsoWhereTheSurfaceLeavesTheCubeAndWithDisplacement) {
   SANSMESH_NOT_SANITIZED("judges topology; others walk, too");
-  for (const WalkedFormula* field : {&kBall, &kRing, &kPair, &kCut, &kShell})
+  for (const FormulaField* field : {&kBall, &kRing, &kPair, &kCut, &kShell})
     for (const double displacement : {0.0, 0.5, 0.95}) {
       const TriangleMesh mesh = walked_mesh(*field, uneven_blocks(9, 5), displacement);
       EXPECT_TRUE(test::topology_of(mesh).closed_manifold());
@@ -140,13 +129,13 @@ TEST(WalkSurface, FollowsOnlySheetsThatASeedLeadsTo) {
 
 TEST(WalkSurface, DisplacementMakesTrianglesEvenAndTurnsNone) {
   SANSMESH_NOT_SANITIZED("judges shapes; others walk, too");
-  for (const WalkedFormula* field : {&kBall, &kRing}) {
+  for (const FormulaField* field : {&kBall, &kRing}) {
     const BlockTree tree = even_blocks(5);
     const MeshQuality before = measure_quality(walked_mesh(*field, tree));
     WalkReport report;
     const TriangleMesh mesh = walked_mesh(*field, tree, 0.9, many_seeds(), &report);
     const MeshQuality after = measure_quality(mesh);
-    // tejada2008, section 4.4.4: 5.55 ± 128.09 becomes 1.68 ± 0.61.
+    // tejada2008, 4.4.4: 5.55 ± 128.09 becomes 1.68 ± 0.61.
     EXPECT_GT(before.aspect_mean, 2.5);
     EXPECT_LT(after.aspect_mean, 1.9);
     EXPECT_LT(after.aspect_deviation, 1);
@@ -160,7 +149,7 @@ TEST(WalkSurface, DisplacementMakesTrianglesEvenAndTurnsNone) {
   }
 }
 
-/// Where two sheets pull a vertex both ways, a move would change its sign or turn a simplex over: it stays.
+/// Where two sheets pull a vertex both ways, a move would change its sign or invert a simplex: it stays.
 TEST(WalkSurface, DisplacementIsHeldWhereItWouldFold) {
   WalkReport report;
   const TriangleMesh mesh = walked_mesh(kShell, even_blocks(4), 0.99, many_seeds(), &report);
@@ -169,13 +158,13 @@ TEST(WalkSurface, DisplacementIsHeldWhereItWouldFold) {
   EXPECT_EQ(mesh.triangles.size(), walked_mesh(kShell, even_blocks(4)).triangles.size());
 }
 
-/// M_l belongs to a level: what lies far off the surface on a coarse level must not tell how far fine blocks move.
+/// M_l belongs to a level: values far off the surface on a coarse level must not affect the moves of fine blocks.
 TEST(WalkSurface, MovesByLevel) {
   BlockTree tree = even_blocks(3);
   for (std::size_t b = 0, n = tree.size(); b < n; ++b)
     if (tree.is_leaf(b) && tree.block_center(b).x > 0) tree.subdivide(b);
-  // A plane across the levels is cut alike on both, at another scale.
-  const WalkedFormula plane([](const Vec3& x) { return x.z - 1e-9; });
+  // A plane across the levels is cut alike on both, at different scales.
+  const FormulaField plane([](const Vec3& x) { return x.z - 1e-9; }, kFormulaCube);
   const TriangleMesh mesh = walked_mesh(plane, tree, 0.8);
   double sum[2] = {0, 0}, n[2] = {0, 0};
   for (const Triangle& t : mesh.triangles) {

@@ -1,6 +1,6 @@
-// What makes real clouds hard, one thing at a time, on shapes that are known: limbs, holes, strong noise, scans that do
-// not quite meet, wrong normals, broken faces, steps of a depth camera. With no option, each gives a closed manifold
-// with the parts and handles of its shape.
+// Difficulties of real clouds in isolation, on known shapes: limbs, holes, strong noise, misaligned scans, wrong
+// normals, broken faces, steps of a depth camera. With default options, each gives a closed manifold with the
+// components and handles of its shape.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-constexpr int kUnknown = -1;  ///< what cannot be known: vegetation, loose triangles, a scene seen from one side
+constexpr int kUnknown = -1;  ///< undetermined: vegetation, loose triangles, a scene seen from one side
 
 struct HardCloud {
   const char* name;
@@ -32,13 +32,13 @@ struct HardCloud {
 };
 void PrintTo(const HardCloud& c, std::ostream* out) { *out << c.name; }
 
-/// A segment from a to b with a ball around every point of it.
+/// Signed distance of a capsule from a to b.
 double capsule(const Vec3& x, const Vec3& a, const Vec3& b, double radius) {
   const double t = std::clamp(dot(x - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
   return norm(x - a - (b - a) * t) - radius;
 }
 
-/// A body with four legs, a neck and a head: limbs that stand close together, blended where they meet.
+/// A body with four legs, a neck and a head: limbs close together, with blended joints.
 const test::ThinShape& animal() {
   static const test::ThinShape shape = [] {
     test::ThinShape s;
@@ -75,7 +75,7 @@ void add_noise(PointSet& cloud, double deviation, unsigned seed) {
   for (Vec3f& p : cloud.positions) p = Vec3f(Vec3(p) + Vec3{gauss(random), gauss(random), gauss(random)} * deviation);
 }
 
-/// A third of the spacing.
+/// Noise of a third of the spacing.
 PointSet noisy() {
   PointSet cloud = without_normals();
   add_noise(cloud, 0.013, 2);
@@ -102,14 +102,14 @@ PointSet aligned_scans() {
   return cloud;
 }
 
-/// Normals along the lines where they belong, all turned to the same side of the axes.
+/// Normals along the correct lines, all turned to the same side of the axes.
 PointSet one_sided_normals() {
   PointSet cloud = test::cube(9000);
   for (Vec3f& n : cloud.normals) n = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
   return cloud;
 }
 
-/// Noise, normals off by tens of degrees, and one sample in twenty anywhere.
+/// Noise, normals off by tens of degrees, and one random sample in twenty.
 PointSet noise_and_outliers() {
   PointSet cloud = test::sphere(8000, 0.04);
   std::mt19937 random(4);
@@ -149,7 +149,7 @@ PointSet partial_and_uneven() {
   return cloud;
 }
 
-/// Hills, and points at random heights above a third of them, in coordinates of a survey.
+/// Hills, and points at random heights above a third of them, in survey coordinates.
 PointSet terrain() {
   PointSet cloud;
   cloud.origin = {636000, 849000, 400};
@@ -164,8 +164,7 @@ PointSet terrain() {
   return cloud;
 }
 
-/// What a depth camera at the origin sees of a ball in front of a wall, in steps that grow with the square of the
-/// distance.
+/// View of a depth camera at the origin: a ball in front of a wall, in steps that grow with the square of the distance.
 PointSet depth_frame() {
   PointSet cloud;
   cloud.scanners = {{0, 0, 0}};
@@ -184,7 +183,7 @@ PointSet depth_frame() {
 
 // -------------------------------------------------------------------------------------------------------- faces
 
-/// The ball [-1, 1]³ as a closed grid of `rows` × 2·`rows` quads, cut in triangles.
+/// The ball [-1, 1]³ as a closed grid of `rows` × 2·`rows` quads, divided into triangles.
 PointSet ball_of_faces(std::uint32_t rows, const Vec3f& by = {}) {
   PointSet mesh;
   const std::uint32_t columns = 2 * rows;
@@ -213,7 +212,7 @@ PointSet both(PointSet a, const PointSet& b) {
   return a;
 }
 
-/// Closed, but through itself.
+/// Closed, but self-intersecting.
 PointSet through_itself() { return both(ball_of_faces(40), ball_of_faces(40, {0.9f, 0.1f, 0})); }
 
 /// A bent pipe that is open at both ends.
@@ -234,7 +233,7 @@ PointSet open_pipe() {
   return mesh;
 }
 
-/// Five holes, and vertices inside that no face uses.
+/// Five holes, and unused vertices inside.
 PointSet holes_and_unused_vertices() {
   PointSet mesh = ball_of_faces(50);
   std::erase_if(mesh.triangles, [&](const auto& t) {
@@ -257,7 +256,7 @@ PointSet a_quarter_missing() {
   return mesh;
 }
 
-/// Edges with more than two faces: some faces stand twice, some turned round, and fins stick out where three meet.
+/// Edges with more than two faces: some faces are duplicated, some inverted, and fins stick out where three meet.
 PointSet not_manifold() {
   PointSet mesh = ball_of_faces(50);
   const Triangles faces = mesh.triangles;
@@ -271,8 +270,8 @@ PointSet not_manifold() {
   return mesh;
 }
 
-/// A chair of boxes that stand in one another, every face given twice. Sampled here, with fewer samples than
-/// `reconstruct` would take of faces so large: it would be slow.
+/// A chair of intersecting boxes, with every face duplicated. Sampled here, with fewer samples than `reconstruct` would
+/// take of such large faces, to save time.
 PointSet chair() {
   PointSet mesh;
   const auto box = [&](const Vec3f& low, const Vec3f& high) {
@@ -360,7 +359,7 @@ TEST(HardClouds, BundledScan) {
   EXPECT_EQ(topology.genus(), 0);
 }
 
-/// Few, large faces with exact edges, as design programs make them.
+/// Few large faces with exact edges, as CAD programs export them.
 TEST(HardClouds, DesignedPart) {
   Progress progress;
   const PointSet part = read_points(test::source_file("tests/data/plate_holes.STL"));

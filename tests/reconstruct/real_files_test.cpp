@@ -1,5 +1,5 @@
-// An extra where ../shared lies beside the checkout: every real file, with no option, gives a closed manifold mesh with
-// the right parts. hard_clouds_test.cpp has what makes them hard without it.
+// Optional test, if ../shared exists next to the checkout: with default options every real file gives a closed manifold
+// mesh with the right components. hard_clouds_test.cpp covers the difficulties without it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -14,10 +14,10 @@ namespace {
 
 struct RealFile {
   const char* name;
-  int components = 1;  ///< −1: nobody knows (vegetation, loose triangles, necks that cross themselves)
-  int genus = -1;      ///< −1: not known
+  int components = 1;  ///< −1: undetermined (vegetation, loose triangles, self-intersecting necks)
+  int genus = -1;      ///< −1: unknown
   bool open = false;   ///< bounds no solid: ends where the samples end
-  double lost = 5e-4;  ///< share of the samples that may be left without a surface
+  double lost = 5e-4;  ///< largest accepted share of samples without a surface
 };
 
 class ExtraFiles : public ::testing::TestWithParam<RealFile> {};

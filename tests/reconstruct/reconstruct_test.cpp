@@ -61,8 +61,7 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
 }
 
-// Samples farther apart than half the thickness of a wall still tell its two sides from each other, however the cells
-// of the tree fall.
+// Samples farther apart than half the thickness of a wall still distinguish its two sides, for any cells of the tree.
 TEST(Reconstruct, FollowsBothSidesOfThinWalls) {
   constexpr float kInner = 0.93f;
   for (const std::size_t n : {7000u, 9000u, 12000u}) {
@@ -81,7 +80,7 @@ TEST(Reconstruct, FollowsBothSidesOfThinWalls) {
   }
 }
 
-// A cap that no sample stands for is the farther from the samples the nearer to its middle, and not trusted there.
+// A cap without samples is farther from the samples towards its middle, and has low confidence there.
 TEST(Reconstruct, MarksWhatWasInvented) {
   constexpr float kUnit = 1000;
   PointSet cloud, whole = test::sphere(6000);
@@ -295,8 +294,8 @@ TEST(Reconstruct, DepthsAreThoseOfThePartition) {
   }
 }
 
-// Twisted blades: the other side of a place is as near as its neighbours are. Their vertices alone become sheets with
-// dozens of handles.
+// Twisted blades: the other side is as near as neighbouring samples. Their vertices alone become sheets with dozens of
+// handles.
 TEST(Reconstruct, ThinClosedMeshesStayWhatTheyAre) {
   SANSMESH_NOT_SANITIZED("judges meshes; others reconstruct thin walls, too");
   for (const float thickness : {0.08f, 0.05f}) {  // 3 and 2 spacings
@@ -323,7 +322,7 @@ TEST(Reconstruct, ThinClosedMeshesStayWhatTheyAre) {
   }
 }
 
-// A cluster of samples may be one of strays; vertices of faces are not.
+// A cluster of samples may be stray; vertices of faces are not.
 TEST(Reconstruct, SmallSolidsOfMeshesStay) {
   const PointSet mesh = test::joined_meshes(test::ball_mesh(5), test::ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});
   ReconstructReport report;
@@ -377,7 +376,7 @@ TEST(MeshFunction, WritesItsReportAnew) {
   EXPECT_EQ(used.components, fresh.components);
   EXPECT_EQ(used.blocks, fresh.blocks);
   EXPECT_EQ(used.block_depth, fresh.block_depth);
-  // Beside what reconstruct adds.
+  // Except for the values that reconstruct adds.
   for (int round = 0; round < 2; ++round) {
     const ReconstructResult made = reconstruct(cloud, {}, progress);
     const ReconstructReport& whole = made.report;

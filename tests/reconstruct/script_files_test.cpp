@@ -1,5 +1,5 @@
-// An extra where ../shared lies beside the checkout: whatever `diagnose` proposes for a real scan, no more of its
-// samples are without a surface afterwards. tests/function/diagnose_function_test.cpp has made scenes.
+// Optional test, if ../shared exists next to the checkout: edits that `diagnose` proposes for a real scan leave no more
+// of its samples without a surface. tests/function/diagnose_function_test.cpp has synthetic scenes.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of all samples, none left out; what counts as lost goes by the function that was fitted.
+/// Share of all samples; the fitted function determines which count as lost.
 double share_lost(const FittedFunction& function, const PartitionReport& fitted) {
   Progress progress;
   TriangleMesh mesh = mesh_function(function, {}, progress);

@@ -1,4 +1,4 @@
-// Light by how open places are.
+// Accessibility shading.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,13 +34,13 @@ RenderOptions open_light(double reach, double bend = 0) {
   return options;
 }
 
-/// Light of a pixel over the surface's own colour.
+/// Light of a pixel relative to the surface's own colour.
 double light_at(const Image& image, const RenderOptions& options, int x, int y) {
   const Rgba& p = image.at(x, y);
   return static_cast<double>(linear_color({p[0], p[1], p[2]}).x / linear_color(options.look.surface_color).x);
 }
 
-/// The part of the unit sphere up to an angle from its lowest point, seen from within.
+/// The part of the unit sphere up to an angle from its lowest point, seen from inside.
 TriangleMesh bowl(double angle) {
   TriangleMesh mesh;
   constexpr std::uint32_t kRings = 48, kAround = 96;
@@ -71,7 +71,7 @@ TEST(Accessibility, APlaneIsOpenEverywhere) {
 }
 
 TEST(Accessibility, TheBottomOfABowlSeesWhatItsRimLeaves) {
-  // Seen from the lowest point the rim stands at 90° − angle/2 from the zenith.
+  // Seen from the lowest point the rim is at 90° − angle/2 from the zenith.
   Progress progress;
   for (const double degrees : {60.0, 90.0, 120.0}) {
     const double angle = degrees * std::numbers::pi / 180;
@@ -82,9 +82,10 @@ TEST(Accessibility, TheBottomOfABowlSeesWhatItsRimLeaves) {
 }
 
 TEST(Accessibility, WhatIsBeyondItsReachHidesNothing) {
-  // Chords of the unit sphere from its lowest point are 2 cos ψ long, ψ from the zenith: those below the reach meet it.
+  // Chords of the unit sphere from its lowest point have length 2 cos ψ, ψ from the zenith: rays with shorter ones than
+  // the reach are occluded.
   const TriangleMesh half = bowl(std::numbers::pi / 2);
-  const double diagonal = 3;  // of the box 2 × 1 × 2
+  const double diagonal = 3;  // diagonal of the box 2 × 1 × 2
   Progress progress;
   for (const double length : {0.4, 0.8, 1.2}) {
     const RenderOptions options = open_light(length / diagonal);
@@ -94,7 +95,7 @@ TEST(Accessibility, WhatIsBeyondItsReachHidesNothing) {
 }
 
 TEST(Accessibility, TheMiddleOfAGrooveSeesWhatItsWallsLeave) {
-  // A long channel one wide: from the middle of its floor, walls of height h leave ½ / √(¼ + h²) (two-dimensional
+  // A long channel of width one: at the middle of its floor, walls of height h leave ½ / √(¼ + h²) (two-dimensional
   // view).
   Progress progress;
   for (const float h : {0.3f, 0.5f, 1.0f}) {
@@ -116,7 +117,7 @@ TEST(Accessibility, TheMiddleOfAGrooveSeesWhatItsWallsLeave) {
 }
 
 constexpr double kSecondPlace = 1.2, kSecondRadius = 0.6;
-/// Where the unit sphere looks at the other one, and to the viewer: on its surface, towards (1, 0, 1).
+/// Direction on the unit sphere towards both the other sphere and the viewer, (1, 0, 1).
 const Vec3 kSeen{std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2};
 const Vec3 kSecond = kSeen + Vec3{kSecondPlace, 0, 0};
 
@@ -134,8 +135,8 @@ class TwoSpheres final : public ScalarField {
 };
 
 TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
-  // A ball of radius r at distance d, above the horizon and 45° from the normal, hides cos 45° (r / d)² of the weighted
-  // hemisphere, whatever draws the surface.
+  // A ball of radius r at distance d, above the horizon and 45° from the normal, occludes cos 45° (r / d)² of the
+  // weighted hemisphere, for every kind of surface.
   const double expected = 1 - std::numbers::sqrt2 / 2 * std::pow(kSecondRadius / kSecondPlace, 2);
   BallUnion balls = test::sphere_balls(8000);
   const BallUnion second = test::sphere_balls(4000, kSecondRadius);
@@ -165,12 +166,12 @@ TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
       << "splats";
 }
 
-/// The same bend everywhere.
+/// Constant curvature.
 class EvenBend final : public CurvatureField {
  public:
   explicit EvenBend(float bend) : bend_(bend) {}
-  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceBend> bends) const override {
-    std::fill(bends.begin(), bends.end(), SurfaceBend{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
+  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceCurvature> bends) const override {
+    std::fill(bends.begin(), bends.end(), SurfaceCurvature{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
   }
 
  private:
@@ -184,7 +185,7 @@ TEST(Accessibility, BendsGiveAndTakeLight) {
   for (const float bend : {-3.0f, -0.5f, 0.0f, 0.5f}) {
     RenderOptions options = open_light(0.2, 0.4);
     options.look.curvature = std::make_shared<EvenBend>(bend);
-    options.look.surface_color = {0.5f, 0.5f, 0.5f};  // far from where highlights roll off
+    options.look.surface_color = {0.5f, 0.5f, 0.5f};  // below the compression of highlights
     const Image image = render_mesh(ball, options, progress);
     const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
     EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << bend;

@@ -1,4 +1,4 @@
-// Surfaces with formulas, and balls around samples of them.
+// Analytic surfaces, and balls around samples of them.
 #pragma once
 
 #include <cmath>
@@ -48,7 +48,7 @@ class Torus : public ScalarField {
   }
 };
 
-/// Another field, defined only where `domain` says so.
+/// Another field, defined only inside `domain`.
 class Within : public ScalarField {
  public:
   Within(const ScalarField& field, std::function<bool(const Vec3&)> domain)
@@ -62,7 +62,7 @@ class Within : public ScalarField {
     field_.evaluate(x, values, gradients);
     for (std::size_t i = 0; i < x.size(); ++i) {
       inside[i] = domain_(x[i]);
-      if (!inside[i]) values[i] = 1e300;  // worthless, and it should not matter
+      if (!inside[i]) values[i] = 1e300;  // arbitrary values must have no effect
     }
   }
 
@@ -71,7 +71,7 @@ class Within : public ScalarField {
   std::function<bool(const Vec3&)> domain_;
 };
 
-/// The closest point of a sphere around the origin; `rate` < 1: only that share of the way, so that several
+/// The closest point of a sphere around the origin. With `rate` < 1 only that share of the distance, so that several
 /// applications are needed.
 class SphereProjection : public Projection {
  public:
@@ -119,14 +119,14 @@ inline BallUnion torus_balls(int count, double reach = 2) {
   while (static_cast<int>(balls.centers.size()) < count) {
     const double u = 2 * std::numbers::pi * uniform(random), v = 2 * std::numbers::pi * uniform(random);
     const double r = 1 + 0.35 * std::cos(v);
-    if (uniform(random) * 1.35 > r) continue;  // evenly by area
+    if (uniform(random) * 1.35 > r) continue;  // uniform by area
     balls.centers.push_back(Vec3f(Vec3{r * std::cos(u), r * std::sin(u), 0.35 * std::sin(v)}));
     balls.radii.push_back(static_cast<float>(spacing * reach));
   }
   return balls;
 }
 
-/// Rays from random places at distance 3 towards random places in the ball of radius `spread`.
+/// Rays from random points at distance 3 towards random points in the ball of radius `spread`.
 inline std::vector<CastRay> random_rays(int count, float spread) {
   std::mt19937 random(5);
   std::normal_distribution<float> normal;
@@ -141,7 +141,7 @@ inline std::vector<CastRay> random_rays(int count, float spread) {
   return rays;
 }
 
-/// Distances where the ray meets the sphere around the origin; nothing: both are negative.
+/// Distances along the ray to the sphere around the origin; both negative without an intersection.
 struct SphereCrossings {
   double near = -1, far = -1, closest = 0;
   SphereCrossings(const CastRay& ray, double radius) {

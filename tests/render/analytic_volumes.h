@@ -1,4 +1,4 @@
-// Volumes whose values are formulas, and their boundaries.
+// Analytic volumes and their boundaries.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace sansmesh::test {
 
-/// A formula with its gradient inside of what `in` says (the whole box by default).
+/// A formula with its gradient, inside of `in` (the whole box by default).
 class FormulaVolume : public VolumeField {
  public:
   std::function<double(const Vec3&)> value;
@@ -59,8 +59,8 @@ inline FormulaVolume ball_volume(const Vec3& center) {
   return v;
 }
 
-/// ⟨g, x⟩ in two small balls far apart, which fill a part in 10⁷ of their box: no point of any lattice but a very fine
-/// one lies in them.
+/// ⟨g, x⟩ in two small balls far apart, which fill a part in 10⁷ of their box: only very fine lattices have a point in
+/// them.
 struct TwoSpecks {
   FormulaVolume field;
   std::array<Vec3, 2> centers{Vec3{0.1031, 0.1147, 0.1273}, Vec3{0.9117, 0.8853, 0.8719}};
@@ -84,7 +84,7 @@ struct TwoSpecks {
   }
 };
 
-/// The surface of a box, turned outwards.
+/// The surface of a box, oriented outwards.
 inline TriangleMesh box_surface(const Vec3& lower, const Vec3& upper) {
   TriangleMesh mesh;
   for (int c = 0; c < 8; ++c)
@@ -102,8 +102,8 @@ inline TriangleMesh box_surface(const Vec3& lower, const Vec3& upper) {
   return mesh;
 }
 
-/// What is seen inside the same as inside the box of the frame: the surface of a square ring about the middle of
-/// [0, 1]³ along z, with a hole of [0.3, 0.7]².
+/// The surface of a square ring about the middle of [0, 1]³ along z, with a hole of [0.3, 0.7]²; it has the same frame
+/// as the box.
 inline TriangleMesh ring_surface() {
   TriangleMesh mesh;
   const double out[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},

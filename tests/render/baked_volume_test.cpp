@@ -17,7 +17,7 @@ namespace {
 using test::FormulaVolume;
 using test::linear_volume;
 
-/// Smooth but for a ridge that is steep in one corner: bricks of several levels, next to each other.
+/// Smooth except for a steep ridge in one corner: bricks of several levels are adjacent.
 FormulaVolume hill() {
   FormulaVolume v;
   const auto parts = [](const Vec3& x) {
@@ -84,7 +84,7 @@ TEST(BakedVolume, ErrorsAreAsReported) {
       const double e = std::abs(found.values[i] - exact.values[i]) / (r.most - r.least);
       sum += e, most = std::max(most, e);
     }
-    // At other points than those that decided: not much worse.
+    // At other points than those that decided on splits, errors are similar.
     EXPECT_LE(most, 1.5 * tolerance);
     EXPECT_LE(most, 1.5 * r.error_most);
     EXPECT_NEAR(sum / static_cast<double>(x.size()), r.error_mean, 0.1 * r.error_mean);
@@ -98,7 +98,7 @@ TEST(BakedVolume, HasNoCracks) {
   options.tolerance = 0.005;
   const BakedVolume baked(field, options, progress);
   ASSERT_GT(baked.report().levels, 3);
-  // Across all planes in which faces of bricks of any level can lie.
+  // Across all planes that may contain faces of bricks of any level.
   std::vector<Vec3> x;
   for (const Vec3& p : anywhere(40000, 3)) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -174,7 +174,7 @@ TEST(BakedVolume, RefinementTendsToTheField) {
   EXPECT_TRUE(baked.report().finished);
   EXPECT_LT(distance(), 0.3 * coarse);
   EXPECT_LT(distance(), 0.3);
-  // The same as baked at once.
+  // The same result as baking at once.
   const BakedVolume at_once(field, options, progress);
   EXPECT_EQ(at_once.report().bricks, baked.report().bricks);
   const std::vector<Vec3> x = anywhere(3000, 7);
@@ -220,7 +220,7 @@ TEST(BakedVolume, KnowsInsideAndAnswersEverywhere) {
 
 TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   test::TwoSpecks specks({0, 0, 0});
-  // A bend in each speck that only cells of a fraction of it can follow.
+  // A bend in each speck that only cells of a fraction of its size can follow.
   const auto nearest = [&specks](const Vec3& x) {
     return specks.centers[norm(x - specks.centers[0]) < norm(x - specks.centers[1]) ? 0 : 1];
   };
@@ -230,7 +230,7 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   Progress progress;
   const BakedVolume blind(specks.field, {}, progress);
   BakeOptions options;
-  options.places = places, options.tolerance = 0.02;
+  options.samples = places, options.tolerance = 0.02;
   const BakedVolume baked(specks.field, options, progress);
   EXPECT_EQ(blind.report().checked, 0u);
   EXPECT_EQ(baked.report().checked, places.size());
@@ -245,7 +245,7 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
     worst = std::max(worst, std::abs(found.values[i] - exact.values[i]));
   }
   EXPECT_LT(worst, 3 * options.tolerance * (baked.report().most - baked.report().least));
-  // Where the memory ends before, that is said.
+  // The report shows that the memory limit was reached.
   options.memory = std::size_t{1} << 20;
   EXPECT_FALSE(BakedVolume(specks.field, options, progress).report().finished);
 }
@@ -271,7 +271,7 @@ TEST(BakedVolume, MagnitudesOfValuesAndLengthsChangeNothingButTheFactor) {
     EXPECT_EQ(found.inside, expected.inside);
     for (std::size_t i = 0; i < expected.values.size(); ++i) {
       ASSERT_EQ(found.values[i], factor * expected.values[i]) << factor << " " << length;
-      // But for what is less than ordinary floats.
+      // Except for values below the range of normal floats.
       for (std::size_t k = 0; k < 3; ++k)
         ASSERT_NEAR(found.gradients[i][k] * (length / factor), expected.gradients[i][k], 1e-37)
             << factor << " " << length;

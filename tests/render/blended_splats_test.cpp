@@ -21,13 +21,13 @@ Camera tilted_camera(bool parallel) {
   return frame_camera(points, {30, 25}, UpAxis::y, 40, static_cast<double>(kWide) / kHigh, 0.1, 0, parallel);
 }
 
-/// Where the camera sees a point, in pixels.
+/// Projection of a point in pixels.
 Vec3 pixel_of(const Camera& camera, const Vec3f& x) {
-  const PicturePlace place = camera.seen(x);
+  const ProjectedPoint place = camera.project(x);
   return {(1 + static_cast<double>(place.x)) * 0.5 * kWide, (1 - static_cast<double>(place.y)) * 0.5 * kHigh, 0};
 }
 
-/// Points of a plane through 0, a jittered hexagonal lattice of this spacing, reaching `half` to each side.
+/// Points of a plane through 0, a jittered hexagonal lattice of this spacing, extending `half` to each side.
 PointSet plane_cloud(const Vec3f& normal, float spacing, float half) {
   PointSet cloud;
   Vec3f t, b;
@@ -81,7 +81,7 @@ TEST(SplatFootprint, IsTheGaussianOfTheMapsDerivative) {
     EXPECT_NEAR(f->xy, -xy / det, 2e-3 * yy / det);
     EXPECT_NEAR(f->yy, xx / det, 2e-3 * xx / det);
     EXPECT_NEAR(f->peak, area / std::sqrt(det), 2e-3);
-    // The filter moves weight, but makes none.
+    // The filter moves weight, but preserves its sum.
     double sum = 0;
     for (int y = 0; y < kHigh; ++y)
       for (int x = 0; x < kWide; ++x) {
@@ -135,7 +135,7 @@ TEST(SplatLayers, APlaneHasItsNormalAndNoHolesAtAnyZoom) {
             const Vec3f origin = camera.origin(u, v), direction = camera.direction(u, v);
             const float t = -dot(origin, normal) / dot(direction, normal);
             const Vec3f at = origin + t * direction;
-            // Away from the border by what a pixel and a splat are wide.
+            // Away from the border by the width of a pixel and a splat.
             const float margin = 0.06f + 3 * 2 * camera.half_height * camera.shrink(norm(at - camera.position)) / kHigh;
             Vec3f tangent, other;
             tangent_frame(normal, tangent, other);
@@ -171,7 +171,7 @@ TEST(SplatLayers, ASphereCoversItsDiscAndHasItsNormals) {
                            static_cast<float>(std::sqrt(1 - r2)) * camera.backward;
       worst = std::min(worst, static_cast<double>(dot(sphere, found[0].normal)));
     }
-  // Discs stand out beyond the silhouette by less than a pixel.
+  // Discs extend beyond the silhouette by less than a pixel.
   EXPECT_NEAR(std::sqrt(area / std::numbers::pi), 1, pixel);
   EXPECT_GT(worst, 0.999);
 }
@@ -207,7 +207,7 @@ TEST(SplatLayers, WhatIsClippedIsNotThere) {
   constexpr int kSize = 60;
   const SplatLayers layers(splats, camera,
                            {.width = kSize, .height = kSize, .clip = Box3f{{-2, -2, -2}, {2, 2, 0.5f}}});
-  // The cap is off: the inside of the back is seen, facing the viewer.
+  // The cap is removed: the inside of the back is visible, facing the viewer.
   const auto middle = layers.at(kSize / 2, kSize / 2);
   ASSERT_EQ(middle.size(), 1U);
   EXPECT_GT(dot(middle[0].normal, camera.backward), 0.99f);
@@ -239,7 +239,7 @@ TEST(SplatPicture, AlphaIsTheCoverAndItsBorderIsSmooth) {
   const Image image = SplatPicture(sphere_points(3000), {}, options).render(options, progress);
   EXPECT_EQ(image.at(40, 40)[3], 1);
   EXPECT_EQ(image.at(1, 1)[3], 0);
-  // Finer than what four rays a pixel can tell.
+  // Finer than four rays per pixel can resolve.
   int between = 0;
   for (const Rgba& p : image.pixels) {
     const float quarters = 4 * p[3];
@@ -248,14 +248,14 @@ TEST(SplatPicture, AlphaIsTheCoverAndItsBorderIsSmooth) {
   EXPECT_GT(between, 50);
 }
 
-/// Dark pixels of a picture of a bright surface.
+/// Dark pixels in a picture of a bright surface.
 int dark_pixels(const Image& image) {
   return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(),
                                         [](const Rgba& p) { return p[3] > 0.3f && p[1] < 0.25f; }));
 }
 
 TEST(SplatPicture, FacesAtTheBackOfABodyDoNotStandOutAroundItsEdges) {
-  // A thin box: its back lies just behind its front, and discs of both reach beyond the edges.
+  // A thin box: its back is just behind its front, and discs of both extend beyond the edges.
   PointSet box;
   constexpr int kSide = 30;
   for (const Vec3f& n :
@@ -275,7 +275,7 @@ TEST(SplatPicture, FacesAtTheBackOfABodyDoNotStandOutAroundItsEdges) {
   options.quality.occlusion_rays = 0;
   Progress progress;
   EXPECT_EQ(dark_pixels(SplatPicture(box, {}, options).render(options, progress)), 0);
-  // Without a face it is no body, and the inside of the others is seen.
+  // Without a face it is not a body, and the inside of the others is visible.
   std::vector<std::uint8_t> gone(box.size());
   for (std::size_t i = 0; i < gone.size(); ++i) gone[i] = box.normals[i].z > 0;
   remove_samples(box, gone);

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Place in the picture, −1..1, and distance in front of the camera.
+/// Position in the picture, −1..1, and distance in front of the camera.
 Vec3 project(const Camera& camera, const Vec3f& p) {
   const Vec3f d = p - camera.position;
   const double depth = -dot(d, camera.backward);
@@ -43,7 +43,7 @@ TEST(Camera, FillsThePictureUpToTheMargin) {
         }
         const double reach = std::max({-low.x, -low.y, high.x, high.y});
         EXPECT_NEAR(reach, 0.9, 1e-4);
-        // The direction that touches the margin touches it on both sides.
+        // In the limiting direction, both sides touch the margin.
         EXPECT_NEAR(std::max(high.x - low.x, high.y - low.y), 1.8, 1e-4);
       }
 }

@@ -34,7 +34,7 @@ TEST(CornerNormals, FollowASphere) {
 
 TEST(CornerNormals, KeepTheEdgesOfACube) {
   TriangleMesh mesh = cube();
-  // Vertex normals that point along the diagonals must not round the edges.
+  // Vertex normals along the diagonals must not round the edges.
   for (const bool given : {false, true}) {
     if (given)
       for (const Vec3f& v : mesh.vertices) mesh.normals.push_back(normalized(v - Vec3f{0.5f, 0.5f, 0.5f}));

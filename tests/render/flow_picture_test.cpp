@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSize = 160;
 
-/// A square of n × n vertices around the origin in the plane of two unit vectors, 2 wide.
+/// A square of n × n vertices and width 2 around the origin in the plane of two unit vectors.
 FlowSubject square(int n, const Vec3f& u, const Vec3f& v, const Vec3f& vector) {
   FlowSubject subject;
   TriangleMesh& mesh = subject.mesh;
@@ -38,7 +38,7 @@ FlowSubject square(int n, const Vec3f& u, const Vec3f& v, const Vec3f& vector) {
   return subject;
 }
 
-/// Looks down the z axis at what is 2 wide around the origin.
+/// Looks down the z axis at width 2 around the origin.
 Camera from_above(float distance = 4) {
   Camera camera;
   camera.position = {0, 0, distance};
@@ -56,7 +56,7 @@ RenderOptions plain(int size = kSize) {
   return options;
 }
 
-/// Factors of all pixels of a surface that fills the picture; 0 where there is none.
+/// Factors of all pixels of a surface that fills the picture; 0 outside.
 std::vector<double> factors(const PictureScene& scene, const Camera& camera, const FlowTextureOptions& options) {
   FlowTexture texture(scene, camera, kSize, kSize);
   texture.convolve(options);
@@ -72,8 +72,8 @@ std::vector<double> factors(const PictureScene& scene, const Camera& camera, con
   return found;
 }
 
-/// Angle of the streaks to the right, upwards, in degrees −90..90: that in which pixels 5 to 13 apart are most alike.
-/// (Of a single distance it would be one that leads to middles of pixels.)
+/// Angle of the streaks against the right, in degrees −90..90: the direction in which pixels 5 to 13 apart are most
+/// similar. (A single distance would favour directions towards pixel centres.)
 double streak_angle(const std::vector<double>& f) {
   constexpr int kRim = 15;
   double best = -1, angle = 0;
@@ -139,7 +139,7 @@ TEST(FlowTexture, ContrastIsTheSameHoweverThePlaneLeans) {
 }
 
 TEST(FlowTexture, WithoutAFlowThereIsNothing) {
-  // Into the plane: nothing of it runs along the surface.
+  // Into the plane: no tangential component.
   for (const Vec3f vector : {Vec3f{0, 0, 0}, Vec3f{0, 0, 1}})
     for (const double f : factors(*scene_of(square(2, {1, 0, 0}, {0, 1, 0}, vector)), from_above(), {}))
       ASSERT_EQ(f, 1);
@@ -155,7 +155,7 @@ TEST(FlowTexture, WavesRunWithTheFlow) {
   };
   const std::vector<double> before = at(0.4), after = at(0.5), end = at(1), begin = at(0);
   for (std::size_t i = 0; i < begin.size(); ++i) ASSERT_NEAR(begin[i], end[i], 1e-5);
-  // The picture later is best matched by the one before moved to the right: by a tenth of a wave of 16 steps.
+  // The later picture best matches the earlier one shifted to the right, by a tenth of a wave of 16 steps.
   double best = -1;
   int best_shift = 0;
   for (int shift = -4; shift <= 4; ++shift) {
@@ -171,7 +171,7 @@ TEST(FlowTexture, WavesRunWithTheFlow) {
 }
 
 TEST(FlowTexture, StreaksEndWhereAnotherSheetBegins) {
-  // The left half is nearer and flows up, the right half flows to the right: neither shows in the other.
+  // The left half is nearer and flows up, the right half flows to the right: neither affects the other.
   FlowSubject both = square(2, {0.5f, 0, 0}, {0, 1, 0}, {0, 1, 0});
   for (Vec3f& p : both.mesh.vertices) p += Vec3f{-0.5f, 0, 0.5f};
   const FlowSubject right = square(2, {0.5f, 0, 0}, {0, 1, 0}, {1, 0, 0});
@@ -181,7 +181,7 @@ TEST(FlowTexture, StreaksEndWhereAnotherSheetBegins) {
   for (Triangle t : right.mesh.triangles) both.mesh.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
   const auto scene = scene_of(both);
   const std::vector<double> f = factors(*scene, from_above(), {});
-  // Right of the border: nothing is lost of the contrast there, streaks being shorter.
+  // Right of the border the contrast is kept, although streaks are shorter.
   double sum = 0, squares = 0;
   int n = 0;
   for (int y = 0; y < kSize; ++y)
@@ -204,7 +204,7 @@ TEST(FlowTexture, OptionsAreChecked) {
   EXPECT_THROW(DrawnFlow(wrong, plain()), ArgumentError);
 }
 
-/// The layers that a ray straight down at (x, y) meets.
+/// The layers along a ray straight down at (x, y).
 std::vector<SurfacePoint> layers_at(const PictureScene& scene, float x, float y) {
   const Vec3f eye = from_above().position, d = normalized(Vec3f{x, y, 0} - eye);
   std::vector<std::size_t> first;
@@ -232,7 +232,7 @@ TEST(TranslucentSheet, AllLayersAreFoundFrontToBack) {
     EXPECT_NEAR(points[1].position.z, -0.5, 0.2);
     EXPECT_GT(points[0].vector.x, 0.9f);
     EXPECT_GT(points[1].vector.y, 0.9f);
-    // Seen at an angle there is more of it: of 1 / cos of the thickness.
+    // Seen at an angle its thickness is 1 / cos times larger.
     const double cosine = dot(Vec3(0, 0, 1), normalized(Vec3{-0.31, -0.17, 4}));
     EXPECT_NEAR(points[0].opacity, 1 - std::pow(0.75, 1 / cosine), 1e-3);
     EXPECT_EQ(layers_at(*scene_of(subject, {std::nullopt, 1, splats}), 0.31f, 0.17f).size(), 1u) << "opaque";
@@ -249,7 +249,7 @@ TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
   Progress progress;
   const auto picture = [&](int sheets) {
     FlowLook look{std::nullopt, 0.3, false};
-    std::vector<PictureSurface> surfaces;
+    std::vector<SceneFactory> surfaces;
     for (int k = 0; k < sheets; ++k) {
       FlowSubject moved = subject;
       moved.mesh.origin = {0, 0, -0.01 * k};
@@ -263,7 +263,7 @@ TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
 }
 
 TEST(SplatScene, NeighboursInTimeBlendOthersDoNot) {
-  // Two discs in nearly the same place, red and green.
+  // Two discs at nearly the same position, red and green.
   Splats splats;
   splats.centers = {{0, 0, 0}, {0.2f, 0, -0.02f}};
   splats.normals = {{0, 0, 1}, {0, 0, 1}};
@@ -277,7 +277,7 @@ TEST(SplatScene, NeighboursInTimeBlendOthersDoNot) {
     return layers_at(scene, 0.1f, 0).at(0);
   };
   const SurfacePoint blended = seen(1), crisp = seen(2);
-  // r² is the same, and s = 0.02 / γ h: exp(−0.0016) of the second.
+  // r² is the same, and s = 0.02 / γ h: exp(−0.0016) for the second.
   const double share = 1 / (1 + std::exp(-std::pow(0.02 / 0.5, 2)));
   EXPECT_NEAR(blended.color.x, share, 2e-3);
   EXPECT_NEAR(blended.color.y, 1 - share, 2e-3);
@@ -287,7 +287,7 @@ TEST(SplatScene, NeighboursInTimeBlendOthersDoNot) {
 }
 
 TEST(SplatScene, FrontsThatDiscsCoverAreOneSheet) {
-  // Oblique fronts, nearer to each other than discs are wide.
+  // Oblique fronts, closer together than the width of discs.
   FlowSubject subject = square(13, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   for (std::size_t k = 0; k < subject.fronts.size(); ++k)
     subject.fronts[k] = static_cast<std::int32_t>(7 * (k % 13) + 3 * (k / 13));
@@ -301,13 +301,13 @@ TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
   FlowSubject sheet = square(4, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   sheet.mesh.colors.assign(sheet.mesh.vertices.size(), {255, 0, 0});
   TriangleMesh before = square(2, {0.5f, 0, 0}, {0, 0.5f, 0}, {}).mesh;
-  before.origin = {0, 0, 0.02};  // far less than a disc is wide
+  before.origin = {0, 0, 0.02};  // far less than the width of a disc
   before.colors.assign(before.vertices.size(), {0, 255, 0});
   std::vector<Vec3> places;
   for (const Vec3f& p : sheet.mesh.vertices) places.emplace_back(p);
   Progress progress;
-  const std::vector<PictureSurface> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
-                                                surface_in_picture(before, options)};
+  const std::vector<SceneFactory> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
+                                              scene_factory(before, options)};
   for (const bool translucent : {false, true}) {
     const Image image = render_surfaces(surfaces, places, translucent, options, progress);
     EXPECT_GT(image.at(16, 16)[1], 2 * image.at(16, 16)[0]) << translucent;
@@ -322,7 +322,7 @@ TEST(SplatScene, NormalsAreThoseOfTheSurface) {
   ASSERT_EQ(splats.centers.size(), sphere.vertices.size());
   for (std::size_t i = 0; i < splats.centers.size(); ++i)
     ASSERT_GT(dot(splats.normals[i], splats.centers[i]), 0.999f) << "outwards as the triangles";
-  // And there is no gap: what looks from the middle meets the sphere everywhere.
+  // There is no gap: all rays from the centre meet the sphere.
   const SplatScene scene(splats, 1);
   for (const Vec3f& p : sphere.vertices) {
     const Vec3f d = normalized(p + Vec3f{0.003f, 0.011f, -0.007f});
@@ -345,7 +345,7 @@ TEST(FlowPicture, IsTheSameForAnyThreads) {
             Progress progress;
             FlowLook look;
             look.opacity = opacity, look.splats = splats;
-            const PictureSurface surface = DrawnFlow(subject, plain(64)).surface(look);
+            const SceneFactory surface = DrawnFlow(subject, plain(64)).surface(look);
             return render_surfaces({&surface, 1}, places, opacity < 1, plain(64), progress).pixels;
           },
           [](const auto& one, const auto& many) { EXPECT_TRUE(one == many); });

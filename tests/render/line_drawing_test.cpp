@@ -22,7 +22,7 @@ using test::sphere_balls;
 
 constexpr int kDrawingSize = 160;
 
-/// F / ‖∇F‖, which is a distance near the surface.
+/// F / ‖∇F‖, an approximate distance near the surface.
 class NearDistance : public ScalarField {
  public:
   Box3 bounds() const override { return {{-3, -3, -3}, {3, 3, 3}}; }
@@ -49,7 +49,7 @@ class Waves final : public NearDistance {
 };
 
 constexpr double kRing = 1, kTubeWide = 0.25, kTubeTall = 0.45;
-/// A torus around z whose section is an ellipse that stands: it is bent most along the circles at its top and bottom.
+/// A torus around z with an upright elliptic section: its curvature is largest along the circles at its top and bottom.
 class TallRing final : public NearDistance {
   double formula(const Vec3& x, Vec3& g) const override {
     const double ring = std::hypot(x.x, x.y), out = ring - kRing;
@@ -88,7 +88,7 @@ struct Drawing {
   PixelMap<float> ink;
 };
 
-/// From above (y is up, z towards the viewer), 1 in the picture's plane being a share of its half.
+/// From above (y is up, z towards the viewer); 1 in the picture's plane is a share of its half.
 Drawing draw(const ScalarField& field, const BallUnion& balls, std::shared_ptr<const CurvatureField> curvature,
              SurfaceRenderOptions options = {}) {
   options.picture.view.width = options.picture.view.height = kDrawingSize;
@@ -108,7 +108,7 @@ Drawing draw(const ScalarField& field, const BallUnion& balls, std::shared_ptr<c
   return d;
 }
 
-/// Middle of a pixel in world coordinates, seen orthographically.
+/// Centre of a pixel in world coordinates, for parallel rays.
 Vec3 place_of(const Drawing& d, int x, int y) {
   const double half = 2 * static_cast<double>(d.camera.half_width);  // the frame's unit
   return {((2 * x + 1.0) / kDrawingSize - 1) * half, (1 - (2 * y + 1.0) / kDrawingSize) * half, 0};
@@ -154,12 +154,12 @@ TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
     for (int x = 0; x < kDrawingSize; ++x) {
       const Vec3 at = place_of(d, x, y);
       if (std::max(std::abs(at.x), std::abs(at.y)) > 0.93 || d.ink.at(x, y) < 0.05f) continue;
-      // Ridges at whole multiples of 2π/wave, valleys between.
+      // Ridges at integer multiples of 2π/wave, valleys between.
       const double turns = at.x * kWave / std::numbers::pi;
       EXPECT_LT(std::abs(turns - std::round(turns)) * std::numbers::pi / kWave, 2 * pixel) << x << ", " << y;
       ++on, ++rows[static_cast<std::size_t>(y)];
     }
-  // Three or so lines, in every row.
+  // About three lines in every row.
   EXPECT_GT(on, 0);
   for (int y = 0; y < kDrawingSize; ++y)
     if (std::abs(place_of(d, kDrawingSize / 2, y).y) < 0.9) EXPECT_GE(rows[static_cast<std::size_t>(y)], 3) << y;
@@ -170,7 +170,7 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
   const auto curvature = std::make_shared<FieldCurvature>(ring, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
-  options.picture.look.line_strength = 5;  // it is 14.4 there
+  options.picture.look.line_strength = 5;  // the value is 14.4 there
   const Drawing d = draw(ring, ring_balls(), curvature, options);
   const double pixel = 4 * static_cast<double>(d.camera.half_width) / kDrawingSize;
   double ink = 0, mean = 0;
@@ -229,7 +229,7 @@ TEST(RenderLines, ACubesEdgesAreDrawnOnWhite) {
   const Subject subject = make_subject(cube, options);
   const Camera camera = picture_camera(subject.mesh.vertices, subject.frame, options);
   const auto pixel_of = [&](const Vec3& x) {
-    const PicturePlace p = camera.seen(subject.frame.to_picture(x));
+    const ProjectedPoint p = camera.project(subject.frame.to_picture(x));
     return Vec3{(static_cast<double>(p.x) + 1) * kDrawingSize / 2, (1 - static_cast<double>(p.y)) * kDrawingSize / 2,
                 0};
   };
@@ -240,14 +240,14 @@ TEST(RenderLines, ACubesEdgesAreDrawnOnWhite) {
         least = std::min(least, lines.at(static_cast<int>(at.x) + u, static_cast<int>(at.y) + v)[1]);
     return 1 - least;
   };
-  // The three edges that meet at the nearest corner, in their middles; faces and surroundings are white.
+  // The middles of the three edges at the nearest corner; faces and surroundings are white.
   EXPECT_GT(darkness(pixel_of({1, 0, 1})), 0.5f);
   EXPECT_GT(darkness(pixel_of({0, 1, 1})), 0.5f);
   EXPECT_GT(darkness(pixel_of({1, 1, 0})), 0.5f);
   EXPECT_EQ(darkness(pixel_of({0, 0, 1})), 0);
   EXPECT_EQ(darkness(pixel_of({0, 1, 0})), 0);
   EXPECT_EQ(darkness({3, 3, 0}), 0);
-  // Over the lit surface, what is not a line stays as it was.
+  // Over the lit surface, pixels without lines are unchanged.
   options.look.lines = PictureLook::Lines::none;
   const Image lit = render_mesh(cube, options, progress);
   options.look.lines = PictureLook::Lines::over;

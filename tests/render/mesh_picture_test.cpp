@@ -34,7 +34,7 @@ RenderOptions cut_out(int width = 160, int height = 120) {
   return options;
 }
 
-/// Area in pixels and centre of what is not transparent.
+/// Area in pixels and centroid of non-transparent pixels.
 struct Silhouette {
   double area = 0, x = 0, y = 0;
   explicit Silhouette(const Image& image) {
@@ -65,7 +65,7 @@ TEST(MeshPreview, SphereIsARoundDiscInTheMiddle) {
     const Silhouette seen(render_mesh(sphere, cut_out(width, height)));
     EXPECT_NEAR(seen.x, width / 2.0, 0.1);
     EXPECT_NEAR(seen.y, height / 2.0, 0.1);
-    // A disc that reaches up to the margin: more than half, less than all of the shorter side.
+    // A disc that reaches up to the margin: between half and all of the shorter side.
     const double diameter = 2 * std::sqrt(seen.area / std::numbers::pi);
     EXPECT_GT(diameter, 0.8 * 120);
     EXPECT_LT(diameter, 0.95 * 120);
@@ -124,7 +124,7 @@ TEST(MeshPreview, OcclusionDarkensHollowsOnly) {
 }
 
 TEST(MeshPreview, CastsShadowsOnItself) {
-  // A small ball hovers in front of a wall, on the way of the light.
+  // A small ball in front of a wall, between it and the light.
   TriangleMesh wall;
   wall.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
   wall.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -152,7 +152,7 @@ TEST(MeshPreview, DoesNotDependOnThreads) {
   TriangleMesh cloud = sphere_cloud(4000);
   for (std::size_t i = 0; i < cloud.vertices.size(); ++i)
     cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 99});
-  // Every point twice, in two colours: which one is hit must not depend on how the tree was built.
+  // Duplicate points in two colours: the hit must not depend on the construction of the tree.
   cloud.vertices.insert(cloud.vertices.end(), cloud.vertices.begin(), cloud.vertices.end());
   cloud.normals.insert(cloud.normals.end(), cloud.normals.begin(), cloud.normals.end());
   cloud.colors.resize(cloud.vertices.size(), {255, 0, 0});
@@ -216,7 +216,7 @@ TEST(MeshPreview, CloudsCloseToASurface) {
   TriangleMesh cloud = sphere_cloud(3000);
   RenderOptions options = cut_out();
   const Image discs = render_mesh(cloud, options);
-  // The camera leaves room for the discs' radius, 1.3 of the spacing.
+  // The camera leaves space for the discs' radius, 1.3 of the spacing.
   const double disc_area = mesh_area / std::pow(1 + 1.3 * std::sqrt(4 * std::numbers::pi / 3000), 2);
   EXPECT_NEAR(Silhouette(discs).area, disc_area, 0.02 * mesh_area);
   EXPECT_EQ(discs.at(80, 60)[3], 1);
@@ -253,7 +253,7 @@ TEST(MeshPreview, LeavesOutWhatIsNotFinite) {
   const auto base = static_cast<std::uint32_t>(broken.vertices.size());
   broken.vertices.push_back({std::nanf(""), 0, 0});
   broken.vertices.push_back({0, INFINITY, 0});
-  broken.vertices.push_back({50, 0, 0});  // used by no triangle that can be drawn
+  broken.vertices.push_back({50, 0, 0});  // not used by drawable triangles
   broken.triangles.insert(broken.triangles.begin(), {{base, 0, 1}, {1, base + 1, base + 2}, {0, 1, base + 77}});
   EXPECT_TRUE(render_mesh(broken, cut_out()).pixels == render_mesh(sphere, cut_out()).pixels);
 

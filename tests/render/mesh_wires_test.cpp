@@ -47,7 +47,7 @@ double inked(const Image& image) {
   return sum;
 }
 
-/// Pixels for a length of 1 of a square of 2 × 2 that fills the picture's height.
+/// Pixels per unit length of a square of 2 × 2 that fills the picture's height.
 const double kPerLength = 0.5 * kSide * (1 - 0.13);
 
 TEST(MeshWires, LinesAreAsWideAsAskedFor) {
@@ -55,14 +55,14 @@ TEST(MeshWires, LinesAreAsWideAsAskedFor) {
     for (const double width : {1.0, 2.0, 3.0}) {
       RenderOptions options = line_drawing(width);
       options.view.orthographic = parallel;
-      // 3 inner lines each way, 4 diagonals' length of 4 in all times 2√2, and the rim.
+      // 3 inner lines in each direction, diagonals of total length 4 times 2√2, and the border.
       const double length = kPerLength * (2 * 3 * 2 + 4 * 2 * std::sqrt(2.0) + 4 * 2);
       EXPECT_NEAR(inked(render_mesh(grid_at(0, 4), options)) / length, width, 0.12 * width) << parallel << width;
     }
 }
 
 TEST(MeshWires, LinesFarAwayAreAsWideAsNearOnes) {
-  // An edge that goes away from the eye, between two triangles: rows of pixels across it.
+  // An edge along the viewing direction, between two triangles: rows of pixels across it.
   TriangleMesh kite;
   kite.vertices = {{0, 0, 0}, {0, 0, -30}, {-8, 0, -15}, {8, 0, -15}};
   kite.triangles = {{0, 3, 1}, {0, 1, 2}};
@@ -83,7 +83,7 @@ TEST(MeshWires, LinesFarAwayAreAsWideAsNearOnes) {
 }
 
 TEST(MeshWires, WhatTheSurfaceHidesIsNotDrawn) {
-  // The lines of a smaller square lie behind one of two triangles.
+  // The lines of a smaller square are behind one of two triangles.
   TriangleMesh front = grid_at(0, 1);
   const TriangleMesh both = test::joined(front, grid_at(-0.2f, 6, 0.3f), {0.5f, -0.5f, 0});
   RenderOptions options = line_drawing(1);

@@ -1,4 +1,4 @@
-// Pixels as the bytes that files hold of them.
+// Pixels as bytes, as in files.
 #pragma once
 
 #include <algorithm>

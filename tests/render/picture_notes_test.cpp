@@ -36,7 +36,7 @@ TEST(StrokeText, EveryCharacterDiffersFromEveryOther) {
     for (std::size_t k = 0; k < i; ++k)
       EXPECT_TRUE(seen[i].second.pixels != seen[k].second.pixels) << seen[i].first << ' ' << seen[k].first;
   }
-  EXPECT_TRUE(letter("ж").pixels == letter("ю").pixels);  // a box for what there is not
+  EXPECT_TRUE(letter("ж").pixels == letter("ю").pixels);  // a box for unsupported characters
   EXPECT_EQ(ink_of(letter(" ")), 0);
 }
 
@@ -55,7 +55,7 @@ TEST(StrokeText, InkGrowsWithSizeAndStaysWithinItsWidth) {
         }
     EXPECT_NEAR(right, 20 + stroke_width("Wq0", height), 0.12 * height + 1.5);
   }
-  // Beyond the picture nothing happens.
+  // Drawing beyond the picture has no effect.
   Image image(10, 10, kPaper);
   draw_strokes(image, -500, 1e6, 20, "far", kBlack);
   draw_line(image, std::nan(""), 0, 5, 5, 1, kBlack);
@@ -89,8 +89,8 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
   TransferFunction f;
   f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
   f.opacities = {{-1, 0}, {3, 1}};
-  const Image image = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]");
-  EXPECT_EQ(image.width, 100 + value_bar_width(300, f, "velocity [m/s²]"));
+  const Image image = with_color_bar(Image(100, 300, kPaper), f, "velocity [m/s²]");
+  EXPECT_EQ(image.width, 100 + color_bar_width(300, f, "velocity [m/s²]"));
   EXPECT_EQ(image.height, 300);
   const int x = 112;  // in the bar
   for (const double share : {0.1, 0.5, 0.9}) {
@@ -99,10 +99,10 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
     EXPECT_NEAR(p[0], c.x, 0.01);
     EXPECT_NEAR(p[2], c.z, 0.01);
   }
-  EXPECT_EQ(beside_value_bar(Image(100, 50, kPaper), f, "").width, 100);
-  // Lines at marks within the range, and nowhere else; nothing of the picture itself is covered.
+  EXPECT_EQ(with_color_bar(Image(100, 50, kPaper), f, "").width, 100);
+  // Lines only at marks within the range; the picture itself is not covered.
   const std::array<double, 2> marks{1, 7};
-  const Image marked = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
+  const Image marked = with_color_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
   for (int y = 0; y < 300; ++y) {
     const bool differs = marked.at(x, y) != image.at(x, y);
     EXPECT_EQ(differs, std::abs(y + 0.5 - 150) < 1.5) << y;
@@ -115,7 +115,7 @@ TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
   f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
   f.opacities = {{-1, 0}, {3, 1}};
   const Image red(100, 300, Rgba{1, 0, 0, 1}), paper(100, 300, kPaper);
-  const Image image = beside_value_bar(red, f, "", {}, &paper);
+  const Image image = with_color_bar(red, f, "", {}, &paper);
   EXPECT_EQ(image.at(99, 290), (Rgba{1, 0, 0, 1}));
   for (int x = 100; x < image.width; ++x) EXPECT_EQ(image.at(x, 290), kPaper);
 }
@@ -123,7 +123,7 @@ TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
 TEST(PictureNotes, BarOfOneValueSaysIt) {
   TransferFunction f;
   f.colors = {{3, {0.2f, 0.1f, 0.5f}}}, f.opacities = {{3, 0.5}};
-  const Image image = beside_value_bar(Image(100, 300, kPaper), f, "");
+  const Image image = with_color_bar(Image(100, 300, kPaper), f, "");
   EXPECT_NEAR(image.at(112, 100)[2], 0.5, 0.01);
   double inked = 0;  // right of the bar
   for (int y = 140; y < 160; ++y)
@@ -156,7 +156,7 @@ TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {
       }
     }
   EXPECT_GT(covered, 5000u);
-  EXPECT_LT(changed, covered / 40);  // where ticks touch its rim
+  EXPECT_LT(changed, covered / 40);  // where ticks touch its border
   EXPECT_GT(inked, 500u);
   options.title = "A cube\nof one value";
   EXPECT_TRUE(picture.render(options, progress).pixels != noted.pixels);
@@ -167,9 +167,8 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
   f.colors = {{0, {1, 0, 0}}, {1, {0, 0, 1}}};
   f.opacities = {{0, 1}, {1, 1}};
   const Image paper(60, 200, kPaper);
-  const Image plain = beside_value_bar(paper, f, {}),
-              above = beside_value_bar(paper, f, {}, {}, nullptr, {false, true}),
-              both = beside_value_bar(paper, f, {}, {}, nullptr, {true, true});
+  const Image plain = with_color_bar(paper, f, {}), above = with_color_bar(paper, f, {}, {}, nullptr, {false, true}),
+              both = with_color_bar(paper, f, {}, {}, nullptr, {true, true});
   EXPECT_EQ(above.width, plain.width);
   const auto colored = [](const Image& image, int first, int last) {
     int count = 0;
@@ -177,7 +176,7 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
       for (int x = 60; x < image.width; ++x) count += std::abs(image.at(x, y)[0] - image.at(x, y)[2]) > 0.5f;
     return count;
   };
-  // The bar itself reaches from a fifth of the height to four fifths.
+  // The bar extends from a fifth to four fifths of the height.
   EXPECT_EQ(colored(plain, 0, 39), 0);
   EXPECT_EQ(colored(plain, 161, 200), 0);
   EXPECT_GT(colored(above, 0, 39), 15);
@@ -187,7 +186,7 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
 }
 
 TEST(ScaleBar, IsAsLongAsItSays) {
-  // A picture that is 8 wide in the world, 10 pixels for each.
+  // A picture with a width of 8 in the world, 10 pixels per unit.
   Camera camera;
   camera.parallel = true;
   camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.backward = {0, 0, 1};
@@ -201,7 +200,7 @@ TEST(ScaleBar, IsAsLongAsItSays) {
         first = std::min(first, x), last = std::max(last, x);
     EXPECT_NEAR(last - first, 200, 4) << "2 of 8, or 0.2 of 0.8";
   }
-  // In perspective there is no one scale.
+  // In perspective there is no single scale.
   camera.parallel = false;
   Image image(800, 640, kPaper);
   draw_scale_bar(image, {{0, 0, 0}, 8}, camera, 1, "mm");
@@ -230,8 +229,8 @@ TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
   const std::vector<LegendEntry> some = {{{0, 0, 1}, "a"}};
   for (const bool clear : {false, true}) {
     if (clear) options.look.background = Background::transparent();
-    const Image paper = paper_beside(options);
-    const Image list = beside_legend(red, some, &paper);
+    const Image paper = annotation_background(options);
+    const Image list = with_legend(red, some, &paper);
     ASSERT_GT(list.width, 60);
     EXPECT_EQ(list.at(59, 3), red.at(59, 3));
     EXPECT_EQ(list.at(list.width - 1, 3), paper.at(0, 3));
@@ -243,7 +242,7 @@ TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
 TEST(Legend, NamesTooLongEndInDots) {
   const std::vector<LegendEntry> some = {{{1, 0, 0}, "a"}, {{0, 0, 1}, std::string(200, 'W')}};
   const Image paper(300, 200, kPaper);
-  const Image list = beside_legend(paper, some);
+  const Image list = with_legend(paper, some);
   EXPECT_EQ(list.width, 300 + legend_width(200, some));
   EXPECT_LT(legend_width(200, some), 200);
   for (int y = 0; y < 200; ++y)

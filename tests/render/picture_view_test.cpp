@@ -1,4 +1,4 @@
-// Views, for everything that can be in a picture: two balls of radius 1, the right one farther away.
+// Views of every kind of content: two balls of radius 1, the right one farther away.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,8 +56,8 @@ TriangleMesh ball_meshes() {
 
 using Draw = std::function<Image(const RenderOptions&)>;
 
-/// The same balls as triangles, as a cloud, as a surface without a mesh, as an iso-surface of a volume, and as one mesh
-/// beside another.
+/// The same balls as triangles, as a cloud, as a surface without a mesh, as an iso-surface of a volume, and as two
+/// meshes.
 std::vector<std::pair<std::string, Draw>> all_kinds() {
   const auto mesh = [](const RenderOptions& o) { return render_mesh(ball_meshes(), o); };
   const auto cloud = [](const RenderOptions& o) {
@@ -97,7 +97,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
   const auto objects = [](const RenderOptions& o) {
     TriangleMesh near = test::octasphere(4), far = near;
     near.origin = kNear, far.origin = kFar;
-    const std::vector<PictureSurface> both = {surface_in_picture(near, o), surface_in_picture(far, o)};
+    const std::vector<SceneFactory> both = {scene_factory(near, o), scene_factory(far, o)};
     std::vector<Vec3> places;
     for (const Vec3f& p : ball_meshes().vertices) places.emplace_back(p);
     Progress progress;
@@ -106,7 +106,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
   return {{"mesh", mesh}, {"cloud", cloud}, {"surface", surface}, {"volume", volume}, {"objects", objects}};
 }
 
-/// Pixels that are covered, and their middle, of the columns from `first` up to `last`.
+/// Number of covered pixels, and their centroid, in the columns from `first` to `last` (exclusive).
 struct Spot {
   double area = 0, x = 0, y = 0;
   explicit Spot(const Image& image, int first = 0, int last = kPictureWidth) {
@@ -130,7 +130,7 @@ TEST(PictureView, OrthographicSizesDoNotDependOnTheDepth) {
     const Spot near(flat, 0, kPictureWidth / 2), far(flat, kPictureWidth / 2);
     EXPECT_GT(near.area, 200);
     EXPECT_NEAR(near.area / far.area, 1, 0.03);
-    // Discs of the same size, one of them half a radius higher, at the ends of what fills the picture.
+    // Discs of the same size at the ends of the framed content, one of them half a radius higher.
     const double radius = std::sqrt(near.area / 3.14159265);
     EXPECT_NEAR(far.x - near.x, 4 * radius, 0.06 * radius);
     EXPECT_NEAR(near.y - far.y, 0.5 * radius, 0.06 * radius);
@@ -145,7 +145,7 @@ TEST(PictureView, ThePlaceLookedAtIsInTheMiddle) {
       RenderOptions options = front_view();
       options.view.orthographic = parallel;
       options.view.look_at = kFar;
-      options.view.zoom = 2.5;  // the other one is out of sight
+      options.view.zoom = 2.5;  // the other one is outside
       const Spot far(draw(options));
       EXPECT_NEAR(far.x, kPictureWidth / 2.0, 1);
       EXPECT_NEAR(far.y, kPictureHeight / 2.0, 1);
@@ -178,8 +178,8 @@ TEST(PictureView, OnlyWhatLiesInTheBoxIsShown) {
     RenderOptions options = front_view();
     options.view.orthographic = true;
     options.view.look_at = Vec3{0, 0.25, -3};
-    options.view.look_radius = 4.0;  // the same scale whatever the box
-    // Of the nearer ball its left half, of the other one nothing.
+    options.view.look_radius = 4.0;  // the scale does not depend on the box
+    // The left half of the nearer ball, and nothing of the other.
     options.view.clip_box = Box3{{-4, -3, -3}, {kNear.x, 3, 3}};
     const Spot half(draw(options));
     options.view.clip_box = Box3{{-4, -3, -3}, {0, 3, 3}};
@@ -211,7 +211,7 @@ TEST(PictureView, ABoxAsLargeAsTheVolumeCutsNothing) {
 }
 
 TEST(PictureView, WhatIsCutOpenShowsItsInside) {
-  // The front of the nearer ball is cut off: what is seen is the inside of its back, farther away.
+  // The front of the nearer ball is cut off: the inside of its back is visible, farther away.
   TriangleMesh ball = test::octasphere(4);
   RenderOptions options = front_view();
   options.view.orthographic = true;
@@ -259,7 +259,7 @@ TEST(PictureView, BadOnesAreNamed) {
   fails([](RenderOptions& o) { o.view.clip_box = Box3{{0, 0, 0}, {1, 0, 1}}; });
 }
 
-// Of open scans the other side is seen, too.
+// Both sides of open scans are visible.
 TEST(CloudPicture, IsLitFromBehindAsSheetsAre) {
   TriangleMesh points;
   for (int y = 0; y < 20; ++y)

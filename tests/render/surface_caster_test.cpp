@@ -11,7 +11,6 @@
 #include "analytic_surfaces.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/surface/stored_rays.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -40,7 +39,7 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
       if (graze < kTolerance * radius) continue;
       ASSERT_EQ(hits[i].hit, exact.near > 0) << "passes the centre at " << exact.closest;
       if (!hits[i].hit) continue;
-      // Where the ray is nearly tangent, the same distance to the surface is far along the ray.
+      // For nearly tangent rays, a small distance to the surface is large along the ray.
       EXPECT_NEAR(norm(hits[i].position), 1, 2 * kTolerance * radius);
       EXPECT_NEAR(hits[i].distance, exact.near, 2 * kTolerance * radius + 1e-6) << exact.closest;
       EXPECT_GT(dot(Vec3(hits[i].normal), normalized(hits[i].position)), 0.9999);
@@ -50,7 +49,7 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
   }
 }
 
-/// The distance to a sphere, off by a little in every other of many slices.
+/// The distance to a sphere, with a small error in every other of many slices.
 class Patches : public ScalarField {
  public:
   Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
@@ -110,7 +109,7 @@ TEST(SurfaceCaster, FindsGrazedSpheres) {
     }
   }
   EXPECT_EQ(found, seen);
-  // And those that pass above do not see it.
+  // Rays that pass above miss it.
   for (CastRay& ray : rays) ray.origin = ray.origin * 1.0f, ray.origin.y *= 1.05f, ray.origin.z *= 1.05f;
   for (const CastHit& hit : cast(caster, rays)) EXPECT_TRUE(!hit.hit || norm(hit.position) < 1 + 1e-4);
 }
@@ -151,7 +150,7 @@ TEST(SurfaceCaster, StartsAnywhere) {
   balls.centers.insert(balls.centers.end(), inner.centers.begin(), inner.centers.end());
   balls.radii.insert(balls.radii.end(), inner.radii.begin(), inner.radii.end());
   const SurfaceCaster caster(shell, balls);
-  // From all heights outwards and inwards, radially and not.
+  // From all heights, outwards and inwards, radially and obliquely.
   for (const double height : {0.0, 0.5, 0.85, 0.89, 0.91, 0.95, 0.99, 0.9995, 1.0005, 1.01, 1.05, 1.5}) {
     std::vector<CastRay> rays;
     for (const CastRay& ray : test::random_rays(500, 1)) {
@@ -160,7 +159,7 @@ TEST(SurfaceCaster, StartsAnywhere) {
       rays.push_back({out * static_cast<float>(height), out});
     }
     const auto hits = cast(caster, rays);
-    // Nothing leaves the outer sphere unseen.
+    // No ray leaves the outer sphere without a hit.
     EXPECT_GT(count_hits(hits), height < 1 ? rays.size() * 99 / 100 : 0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       double expected = std::numeric_limits<double>::infinity();
@@ -197,9 +196,9 @@ TEST(SurfaceCaster, SeesBothSidesAndKeepsWithinTheRay) {
     if (!hits[i].hit) continue;
     EXPECT_NEAR(hits[i].distance, expected[i], 1e-4);
     EXPECT_NEAR(std::abs(hits[i].normal.y), 1, 1e-3);
-    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards, whoever looks";
+    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards from either side";
   }
-  // A ray that starts on the surface does not see it there.
+  // A ray that starts on the surface does not hit it there.
   for (const CastRay& ray : test::random_rays(1000, 0.2f)) {
     const Vec3f at = normalized(ray.origin);
     const std::vector<CastRay> from{{at + at * 1e-3f, at},
@@ -243,7 +242,7 @@ TEST(SurfaceCaster, NothingExistsOutsideOfTheBalls) {
     double expected = -1;
     bool rim = false;
     for (const int side : {1, 0}) {
-      if (std::abs(z[side]) < 2 * radius) {  // cut exactly at the edges of the balls, but for rounding
+      if (std::abs(z[side]) < 2 * radius) {  // cut exactly at the edges of the balls, up to rounding
         rim |= held(at(side ? exact.far : exact.near), 0.01) != held(at(side ? exact.far : exact.near), -0.01);
         if (held(at(side ? exact.far : exact.near), 0)) expected = side ? exact.far : exact.near;
       } else if (z[side] < 0) {
@@ -267,7 +266,7 @@ TEST(SurfaceCaster, NothingExistsOutsideOfTheDomain) {
   const SurfaceCaster caster(cap, balls);
   const auto rays = test::random_rays(10000, 1);
   const auto hits = cast(caster, rays);
-  // The rim is found to a share of the balls' radius.
+  // The rim is found within a share of the balls' radius.
   const double rim = 0.1 * balls.radii[0];
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const SphereCrossings exact(rays[i], 1);
@@ -347,83 +346,8 @@ TEST(SurfaceCaster, FollowsProjections) {
     }
 }
 
-/// Rays that start from stored polynomials find what marching ones find, with fewer projections; those of spheres of
-/// which only a part of the way is known, too.
-TEST(SurfaceCaster, StoredPolynomialsLeadToTheSurface) {
-  for (const double rate : {1.0, 0.7}) {
-    const test::SphereProjection projection(1, true, rate);
-    const BallUnion balls = test::sphere_balls(20000);
-    SurfaceCastOptions options;
-    const SurfaceCaster marching(projection, balls, options);
-    options.stored = true;
-    const SurfaceCaster stored(projection, balls, options);
-    const auto rays = test::random_rays(20000, 1.2f);
-    const auto hits = cast(stored, rays);
-    cast(marching, rays);
-    std::size_t seen = 0, found = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const SphereCrossings exact(rays[i], 1);
-      if (!(exact.near > 0)) EXPECT_FALSE(hits[i].hit && exact.closest > 1 + 2 * kTolerance * balls.radii[0]);
-      if (std::abs(exact.closest - 1) < 0.05 * balls.radii[0] || !(exact.near > 0)) continue;
-      ++seen, found += hits[i].hit;
-      if (!hits[i].hit) continue;
-      EXPECT_NEAR(norm(hits[i].position), 1, 2 * kTolerance * balls.radii[0]);
-      EXPECT_NEAR(hits[i].distance, exact.near, 0.1 * balls.radii[0]);
-      EXPECT_GT(dot(Vec3(hits[i].normal), normalized(hits[i].position)), 0.9999);
-    }
-    EXPECT_GT(seen, rays.size() / 4);
-    EXPECT_EQ(found, seen);
-    const CastCounts a = stored.counts(), b = marching.counts();
-    EXPECT_EQ(a.rays, rays.size());
-    EXPECT_LT(a.hit_evaluations + a.miss_evaluations, b.hit_evaluations + b.miss_evaluations);
-  }
-  SurfaceCastOptions options;
-  options.stored = true;
-  EXPECT_THROW(SurfaceCaster(Spheres({1}), test::sphere_balls(100), options), ArgumentError);
-}
-
-/// The first meeting with any of the polynomials inside its ball: all of them asked, one after another.
-TEST(StoredPolynomials, TheFirstMeetingIsThatOfAllBalls) {
-  const test::SphereProjection projection(1);
-  const BallUnion balls = test::sphere_balls(300, 1, 1.3);
-  const detail::StoredPolynomials stored(projection, balls);
-  const auto rays = test::random_rays(2000, 1.2f);
-  std::vector<detail::StoredHit> hits(rays.size());
-  stored.first(rays, hits);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const Vec3 o(rays[i].origin), d(rays[i].direction);
-    double first = 1e9;
-    for (std::size_t b = 0; b < balls.centers.size(); ++b) {
-      // z = −½ (u² + v²) over the tangent plane: heights above it along the ray change their sign.
-      const Vec3 c(balls.centers[b]), n = normalized(c);
-      const auto height = [&](double t) {
-        const Vec3 q = o + d * t - n;
-        const double z = dot(q, n);
-        return z + 0.5 * (squared_norm(q) - z * z);
-      };
-      const double middle = dot(c - o, d), aside2 = squared_norm(o + d * middle - c);
-      const double r = balls.radii[b];
-      if (aside2 >= r * r) continue;
-      const double half = std::sqrt(r * r - aside2);
-      constexpr int kSteps = 400;
-      for (int k = 0; k < kSteps; ++k) {
-        const double t0 = middle - half + 2 * half * k / kSteps, t1 = middle - half + 2 * half * (k + 1) / kSteps;
-        const double h0 = height(t0), h1 = height(t1);
-        if ((h0 < 0) == (h1 < 0)) continue;
-        first = std::min(first, t0 + (t1 - t0) * h0 / (h0 - h1));
-        break;
-      }
-    }
-    if (hits[i].found) ++count;
-    if (hits[i].found && first < 1e9) EXPECT_NEAR(hits[i].distance, first, 1e-4);
-    if (!hits[i].found) EXPECT_EQ(first, 1e9);
-  }
-  EXPECT_GT(count, 500u);
-}
-
 TEST(SurfaceCaster, ProjectionsWithoutStationaryPointsHaveNoSurface) {
-  /// Moves everything along, whatever its side.
+  /// Moves all points by the same vector, on either side.
   class Drift : public test::SphereProjection {
    public:
     Drift() : SphereProjection(1) {}
@@ -450,7 +374,7 @@ TEST(SurfaceCaster, FeetLieOnTheSurface) {
   const SurfaceCaster by_field(sphere, balls), by_projection(projection, balls);
   for (const SurfaceCaster* caster : {&by_field, &by_projection}) {
     std::vector<Vec3f> positions(balls.centers.size()), normals(balls.centers.size());
-    caster->feet(positions, normals);
+    caster->surface_points(positions, normals);
     for (std::size_t i = 0; i + 1 < positions.size(); ++i) {
       EXPECT_NEAR(norm(positions[i]), 1, 1e-5);
       EXPECT_GT(dot(normals[i], positions[i]), 0.9999f);

@@ -127,7 +127,7 @@ TEST(SurfacePicture, GlassThatDoesNotRefractIsNotSeen) {
   const Image image = render(caster, options);
   for (const auto& p : image.pixels)
     for (int k = 0; k < 3; ++k) ASSERT_NEAR(p[k], image.pixels[0][k], 1 / 255.0);
-  // The wide gradient, too: neighbours along the rim of the sphere differ by no more than elsewhere.
+  // Also the wide gradient: neighbours along the rim of the sphere differ no more than elsewhere.
   options.picture.look.background = Background{};
   const Image wide = render(caster, options);
   for (int y = 1; y < wide.height; ++y)
@@ -181,7 +181,7 @@ TEST(SurfacePicture, MirrorsShowWhatTheyShould) {
       const test::SphereCrossings exact(ray, 1 / box.diagonal());
       if (exact.near < 0) continue;
       const Vec3f normal = normalized(camera.position + d * static_cast<float>(exact.near));
-      if (lighting.shine(normal, d) > 1e-3f || lighting.sheen(normal, d) > 1e-3f) continue;  // highlights on top
+      if (lighting.shine(normal, d) > 1e-3f || lighting.sheen(normal, d) > 1e-3f) continue;  // highlights are added
       ++checked;
       const Vec3f light = options.environment(d - 2 * dot(d, normal) * normal);
       const auto& p = image.at(x, y);
@@ -271,7 +271,7 @@ TEST(SurfacePicture, ShadowsOfDiscsAreLikeThoseOfTheSurface) {
     all += std::abs(none.pixels[i][1] - exact.pixels[i][1]);
   }
   EXPECT_LT(off, 0.15 * all);
-  // The same silhouette in all cases.
+  // The silhouette is the same in all cases.
   options.picture.look.background = Background::transparent();
   const int pixels = covered(render(caster, options));
   options.plain = true;

@@ -20,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// −ln(1 − o) over [0, v] for o = v: in closed form.
+/// −ln(1 − o) over [0, v] for o = v, in closed form.
 double ramp_depth(double v) { return (1 - v) * std::log1p(-v) + v; }
 
 TransferFunction ramp(double most = 0.9) {
@@ -33,7 +33,7 @@ TransferFunction ramp(double most = 0.9) {
 TEST(TransferTable, DepthOfARampIsItsIntegral) {
   const TransferTable table(ramp());
   for (const double v : {0.05, 0.2, 0.5, 0.89}) {
-    const double found = (table.at(table.place(v)).depth - table.at(table.place(0)).depth) / table.scale();
+    const double found = (table.at(table.coordinate(v)).depth - table.at(table.coordinate(0)).depth) / table.scale();
     EXPECT_NEAR(found, ramp_depth(v), 1e-6) << v;
   }
 }
@@ -43,7 +43,7 @@ TEST(TransferTable, GoesOnBeyondItsEnds) {
   f.opacities = {{0, 0.5}, {0.5, 0.5}, {0.5, 0}, {1, 0}};
   const TransferTable table(f);
   const double slope = -std::log(0.5);
-  const auto depth = [&](double v) { return table.at(table.place(v)).depth / table.scale(); };
+  const auto depth = [&](double v) { return table.at(table.coordinate(v)).depth / table.scale(); };
   EXPECT_NEAR(depth(-2) - depth(0), -2 * slope, 1e-9);
   EXPECT_NEAR(depth(0.5) - depth(0), 0.5 * slope, 1e-6);
   EXPECT_NEAR(depth(7) - depth(0.5), 0, 1e-6);
@@ -57,18 +57,18 @@ TEST(TransferTable, EndsOfLargeValuesAreEnds) {
   f.colors = {{5e17, {1, 0, 0}}, {6e17, {1, 0, 0}}};
   f.opacities = {{5e17, 0}, {5e17, 1}, {6e17, 1}};
   const TransferTable table(f);
-  EXPECT_EQ(table.density(table.place(2e17)).depth, 0);
-  EXPECT_GT(table.density(table.place(5.5e17)).depth, 0);
+  EXPECT_EQ(table.density(table.coordinate(2e17)).depth, 0);
+  EXPECT_GT(table.density(table.coordinate(5.5e17)).depth, 0);
 }
 
 TEST(TransferTable, ColoursOfAPieceAreWeightedByExtinction) {
-  // Red and clear below, blue and dense above: whatever glows is blue.
+  // Red and clear below, blue and dense above: all emission is blue.
   TransferFunction f;
   f.mixing = ColorMixing::step;
   f.colors = {{0, {1, 0, 0}}, {0.5, {0, 0, 1}}, {1, {0, 0, 1}}};
   f.opacities = {{0, 0}, {0.5, 0}, {0.5, 0.6}, {1, 0.6}};
   const TransferTable table(f);
-  const auto a = table.at(table.place(0)), b = table.at(table.place(1));
+  const auto a = table.at(table.coordinate(0)), b = table.at(table.coordinate(1));
   const double depth = b.depth - a.depth;
   EXPECT_NEAR((b.red - a.red) / depth, 0, 1e-4);
   EXPECT_NEAR((b.blue - a.blue) / depth, 1, 1e-4);
@@ -94,7 +94,7 @@ TEST(ColorSpace, LabAndBack) {
     EXPECT_LT(norm(srgb_color(linear_color(c)) - c), 1e-5f);
   }
   EXPECT_NEAR(lab_of_srgb({1, 1, 1}).x, 100, 1e-3);
-  // Half way from red to green along the hue lies yellow.
+  // The middle between red and green along the hue is yellow.
   EXPECT_LT(norm(mix_hsv({1, 0, 0}, {0, 1, 0}, 0.5) - Vec3f{1, 1, 0}), 1e-5f);
   const Vec3f middle = mix_diverging({0.23f, 0.30f, 0.75f}, {0.70f, 0.016f, 0.15f}, 0.5);
   EXPECT_GT(std::min({middle.x, middle.y, middle.z}), 0.8f);  // the middle is light and grey
@@ -192,11 +192,11 @@ TEST(ValueHistogram, PlacesTellOfVolumesThatFillLittleOfTheirBox) {
   const ValueHistogram h = value_histogram(specks.field, 1000, places);
   EXPECT_DOUBLE_EQ(h.least, specks.centers[0].x - 0.5 * specks.radius);
   EXPECT_DOUBLE_EQ(h.most, specks.centers[1].x + 0.5 * specks.radius);
-  // More places than points: some of all parts.
+  // More samples than points: some from all parts.
   const ValueHistogram fewer = value_histogram(specks.field, 10, places);
   EXPECT_LT(fewer.least, 0.2);
   EXPECT_GT(fewer.most, 0.8);
-  // Where the lattice does, places change nothing.
+  // If the lattice suffices, samples change nothing.
   const test::FormulaVolume full = test::linear_volume({1, 0, 0});
   EXPECT_EQ(value_histogram(full, 1000, std::vector<Vec3>{{7, 0, 0}}).most, value_histogram(full, 1000).most);
 }
@@ -219,7 +219,7 @@ TEST(SuggestTransferFunction, DropsAirAndShowsBone) {
     EXPECT_GT(f.opacity(body), 0);
     EXPECT_LT(f.opacity(body), 0.1);
     EXPECT_GT(f.opacity(dense), 0.4);
-    // The presets for CT find bone and flesh wherever they are.
+    // CT presets find bone and soft tissue in all of these units.
     const TransferFunction bone = transfer_function_preset("ct-bone", value_histogram(scanned(air, body, dense, 2)));
     EXPECT_EQ(bone.opacity(body), 0);
     EXPECT_GT(bone.opacity(dense), 0.4);
@@ -231,7 +231,7 @@ TEST(SuggestTransferFunction, DropsAirAndShowsBone) {
 }
 
 TEST(SuggestTransferFunction, ShowsRareValuesOfTheWholeRange) {
-  // A stream of value 1 almost everywhere, with a wake from 0.3 to 4: no background, nothing dropped.
+  // A stream of value 1 almost everywhere, with a wake from 0.3 to 4: no background, nothing removed.
   std::mt19937 random(5);
   std::normal_distribution<double> stream(1, 0.05);
   std::uniform_real_distribution<double> wake(0.3, 4);
@@ -241,7 +241,7 @@ TEST(SuggestTransferFunction, ShowsRareValuesOfTheWholeRange) {
   const TransferFunction f = suggest_transfer_function(value_histogram(values, slopes)).function;
   EXPECT_LT(f.opacity(1), 0.3 * f.opacity(3.5));
   for (const double v : {0.4, 1.0, 2.0, 3.9}) EXPECT_GT(f.opacity(v), 0) << v;
-  // What is steep is more opaque than what is as rare but flat.
+  // Steep values are more opaque than flat ones of the same frequency.
   for (std::size_t i = 0; i < values.size(); ++i) slopes[i] = values[i] > 3 ? 3 : 0.1;
   const TransferFunction g = suggest_transfer_function(value_histogram(values, slopes)).function;
   EXPECT_GT(g.opacity(3.5), 1.5 * g.opacity(2.3));
@@ -261,7 +261,7 @@ TEST(SuggestTransferFunction, VeilsAreAboutAsStrongHoweverSteepSurfacesAre) {
     h.diagonal = 100, h.across = 57;
     const SuggestedTransferFunction f = suggest_transfer_function(h);
     ASSERT_EQ(f.function.name, "materials");
-    // What is kept back on the way through the lower half of the rise, of opacities for a fiftieth of the diagonal.
+    // Absorption along the lower half of the rise, of opacities for a fiftieth of the diagonal.
     double depth = 0;
     for (int i = 0; i < 1000; ++i)
       if (const double t = (i + 0.5) / 1000; t < 0.72)

@@ -1,4 +1,4 @@
-// Gaps in volumes: nothing in them, and faces where they end.
+// Gaps in volumes: clear inside, with faces at their ends.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -101,7 +101,7 @@ TEST(VolumeGap, SlicesBetweenGapsAreNotMissed) {
 }
 
 TEST(VolumeGap, FacesShowTheirValuesInTheLightOfTheGap) {
-  // Values rise along x: the face behind the gap tells where it is by its colour.
+  // Values increase along x: the colour of the face behind the gap shows its position.
   FormulaVolume field = test::linear_volume({1, 0, 0});
   VolumePictureOptions options = gap_pixel(0.01, 1);
   for (const double half : {0.1, 0.02}) {
@@ -118,7 +118,7 @@ TEST(VolumeGap, FacesShowTheirValuesInTheLightOfTheGap) {
     const auto back = ray_along(subject, options, {1, 0.4, 0.3}, {0, 0.4, 0.3});
     EXPECT_NEAR(back[0], linear_color(f.color(0.4 - half)).x, 0.02);
   }
-  // The light depends on how the face is turned, not on the gradient of the values.
+  // Lighting depends on the normal of the face, not on the gradient of the values.
   options.shading = true;
   const auto lit = [&](const Vec3& n) {
     const FormulaGap gap = slab(n, dot(n, Vec3{0.4, 0.4, 0.3}), 0.05);
@@ -145,7 +145,7 @@ TEST(VolumeGap, FacesOfIsoSurfacesShowWhatIsNotBelowTheLeast) {
 }
 
 TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
-  // Pixels are 0.001 wide, samples 0.03 apart. Rounding decides on which side of a wall a sample at it lies.
+  // Pixels have a width of 0.001, samples a distance of 0.03. Rounding decides the side of a sample at a wall.
   const auto everywhere = [](const Vec3&) { return true; };
   const auto seen = [](const VolumeSubject& subject, const VolumePictureOptions& options, double distance) {
     return light_from(subject, options, {-distance, 0.45, 0.3}, {1, 0, 0}, 0.0005, true);
@@ -157,7 +157,7 @@ TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
       for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(far[k], near[k], 1e-3) << distance << ' ' << k;
     }
   };
-  // An iso-surface seen through black fog, which tells how far it is.
+  // An iso-surface in black fog, whose brightness shows its depth.
   FormulaVolume ball = test::ball_volume({0.5, 0.4, 0.4});
   ball.in = everywhere;
   VolumePictureOptions through = gap_pixel(0.9, 0.1);

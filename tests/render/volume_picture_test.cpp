@@ -8,6 +8,7 @@
 
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
+#include "render/volume_rays.h"
 #include "sansmesh/error.h"
 #include "sansmesh/render/surface/picture_surfaces.h"
 #include "sansmesh/render/volume/baked_volume.h"
@@ -24,48 +25,12 @@ namespace {
 using test::ball_volume;
 using test::box_surface;
 using test::constant_volume;
+using test::fog;
 using test::FormulaVolume;
 using test::linear_volume;
+using test::one_ray;
 
 const double kDiagonal = std::sqrt(3.0);
-
-/// One opacity and one colour for all values; `length` in the unit of the data.
-TransferFunction fog(double opacity, double length, const Vec3f& color = {1, 1, 1}) {
-  TransferFunction f;
-  f.colors = {{0, color}, {1, color}};
-  f.opacities = {{0, opacity}, {1, opacity}};
-  f.reference_length = length;
-  return f;
-}
-
-/// A pinhole whose one pixel is the ray from `from` along `direction`, both in coordinates of the picture.
-Camera one_ray(const Vec3& from, const Vec3& direction) {
-  Camera camera;
-  camera.position = Vec3f(from);
-  camera.backward = Vec3f(-normalized(direction));
-  tangent_frame(camera.backward, camera.right, camera.up);
-  camera.half_width = camera.half_height = 1e-4f;
-  return camera;
-}
-
-VolumePictureOptions one_pixel(const TransferFunction& transfer) {
-  VolumePictureOptions options;
-  options.picture.view.width = options.picture.view.height = options.picture.quality.samples = 1;
-  options.transfer = transfer;
-  options.shading = false;
-  options.least_light = 0;
-  return options;
-}
-
-/// What a ray between two points of the world's unit cube sees, from well outside; red, green, blue, left.
-std::array<float, 4> along(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& a,
-                           const Vec3& b) {
-  Progress progress;
-  const VolumePicture picture(subject, progress);
-  const Vec3 d = normalized(b - a);
-  const Vec3 from = (a - d * 2 - picture.frame().center) / picture.frame().size;
-  return picture.light(one_ray(from, d), options, progress).at(0, 0);
-}
 
 VolumePictureOptions small_volume_picture(int size = 48) {
   VolumePictureOptions options;
@@ -93,129 +58,6 @@ std::pair<double, double> differences(const Image& a, const Image& b) {
   return {sum / static_cast<double>(4 * a.pixels.size()), most};
 }
 
-TEST(VolumePicture, HomogeneousCubeKeepsBackWhatTheIntegralSays) {
-  const FormulaVolume field = constant_volume(0.5);
-  const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
-  for (const bool bounded : {true, false}) {
-    VolumeSubject subject{&field, nullptr, bounded ? &boundary : nullptr, {}};
-    VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
-    for (const double step : {0.05, 0.3, 1.0, 4.0}) {
-      options.step = step;
-      const auto straight = along(subject, options, {0.4, 0.3, 0}, {0.4, 0.3, 1});
-      EXPECT_NEAR(straight[3], std::pow(0.7, 4), 2e-6) << step;
-      EXPECT_NEAR(straight[0], 1 - std::pow(0.7, 4), 2e-6) << step;
-      const auto diagonal = along(subject, options, {0, 0, 0}, {1, 1, 1});
-      EXPECT_NEAR(diagonal[3], std::pow(0.7, 4 * kDiagonal), 2e-6) << step;
-    }
-    options.opacity_factor = 2;
-    EXPECT_NEAR(along(subject, options, {0.4, 0.3, 0}, {0.4, 0.3, 1})[3], std::pow(0.7, 8), 2e-6);
-  }
-}
-
-TEST(VolumePicture, RampKeepsBackWhatTheIntegralSays) {
-  const FormulaVolume field = linear_volume({0, 0, 0.9});
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  TransferFunction f = fog(0, 0.5);
-  f.opacities = {{0, 0}, {0.9, 0.9}};
-  VolumePictureOptions options = one_pixel(f);
-  // Extinction −ln(1 − 0.9 z) / 0.5 along z.
-  const double depth = (0.1 * std::log(0.1) + 0.9) / 0.9 / 0.5;
-  for (const double step : {0.1, 1.0, 4.0}) {
-    options.step = step;
-    EXPECT_NEAR(along(subject, options, {0.5, 0.5, 0}, {0.5, 0.5, 1})[3], std::exp(-depth), 1e-5) << step;
-    EXPECT_NEAR(along(subject, options, {0.5, 0.5, 1}, {0.5, 0.5, 0})[3], std::exp(-depth), 1e-5) << step;
-  }
-}
-
-TEST(VolumePicture, OneColourOfTinyValuesIsLit) {
-  const FormulaVolume field = linear_volume({0, 0, 1e-190}, 1e-190);
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  TransferFunction f = fog(0, 0.25);
-  f.colors = {{1e-190, {1, 1, 1}}}, f.opacities = {{1e-190, 0.9}};
-  VolumePictureOptions options = one_pixel(f);
-  options.shading = true;
-  const float light = along(subject, options, {0.4, 0.3, 1}, {0.4, 0.3, 0})[0];
-  EXPECT_GT(light, 0.1f);
-  EXPECT_LT(light, 10.0f);
-}
-
-TEST(VolumePicture, ThinLayersAreNotMissedByLongSteps) {
-  const FormulaVolume field = linear_volume({0, 0, 1});
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  // Opaque only for values of 0.5 ± 0.0025, a tenth of a step.
-  TransferFunction f = fog(0, 1);
-  f.opacities = {{0, 0}, {0.4975, 0}, {0.4975, 0.99999}, {0.5025, 0.99999}, {0.5025, 0}, {1, 0}};
-  f.reference_length = 0.005;
-  VolumePictureOptions options = one_pixel(f);
-  for (const double step : {0.25, 1.0, 4.0}) {
-    options.step = step;
-    EXPECT_NEAR(along(subject, options, {0.2, 0.7, 0}, {0.2, 0.7, 1})[3], 1e-5, 1e-6) << step;
-  }
-}
-
-TEST(VolumePicture, LayersAtWallsAreFollowedWhereGradientsTellOfThem) {
-  // e^(−z / 0.004): an eighth of the spacing; values of a layer that ends at the wall.
-  constexpr double kThick = 0.004;
-  FormulaVolume field = constant_volume(0);
-  field.value = [](const Vec3& x) { return std::exp(-x.z / kThick); };
-  field.gradient = [](const Vec3& x) { return Vec3{0, 0, -std::exp(-x.z / kThick) / kThick}; };
-  const VolumeSubject subject{&field, nullptr, nullptr, {}};
-  TransferFunction f = fog(0, 0.004);
-  f.opacities = {{0, 0}, {1, 0.6}};
-  VolumePictureOptions options = one_pixel(f);
-  // ∫ −ln(1 − 0.6 e^(−z/h)) dz / h = Li₂(0.6), the dilogarithm.
-  double depth = 0;
-  for (int k = 200; k > 0; --k) depth += std::pow(0.6, k) / (static_cast<double>(k) * k);
-  for (const double where : {0.0, 0.013, 0.031}) {  // wherever the samples fall
-    const Vec3 a{0.5, 0.5 - where, 1}, b{0.5 + where, 0.5, 0};
-    const double length = norm(b - a);
-    EXPECT_NEAR(-std::log(along(subject, options, a, b)[3]), depth * length, 0.08 * depth) << where;
-  }
-}
-
-TEST(VolumePicture, FirstColourCoversTheSecond) {
-  // Red in front, blue behind, both opaque: from the other side it is the other way round.
-  const FormulaVolume field = linear_volume({1, 0, 0});
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  TransferFunction f = fog(0.9, 0.02);
-  f.mixing = ColorMixing::step;
-  f.colors = {{0, {1, 0, 0}}, {0.5, {0, 0, 1}}, {1, {0, 0, 1}}};
-  const VolumePictureOptions options = one_pixel(f);
-  const auto front = along(subject, options, {0, 0.5, 0.5}, {1, 0.5, 0.5});
-  EXPECT_GT(front[0], 0.99f);
-  EXPECT_LT(front[2], 0.01f);
-  const auto back = along(subject, options, {1, 0.5, 0.5}, {0, 0.5, 0.5});
-  EXPECT_LT(back[0], 0.01f);
-  EXPECT_GT(back[2], 0.99f);
-}
-
-TEST(VolumePicture, IsoSurfaceOfABallLiesWhereItIs) {
-  const Vec3 center{0.5, 0.5, 0.5};
-  const FormulaVolume field = ball_volume(center);
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  // Black fog that dims what lies behind it tells how far the surface is.
-  VolumePictureOptions options = one_pixel(fog(0.5, 0.5, {0, 0, 0}));
-  options.isos = {{0.3, Vec3f{1, 1, 1}, 1}};
-  for (const double step : {0.5, 1.0, 3.0}) {
-    options.step = step;
-    for (const double aside : {0.0, 0.1, 0.2, 0.29}) {
-      VolumePictureOptions clear = options;
-      clear.opacity_factor = 0;
-      const Vec3 a{0.5 + aside, 0.5, 0}, b{0.5 + aside, 0.5, 1};
-      const double dim = along(subject, options, a, b)[0] / along(subject, clear, a, b)[0];
-      const double depth = std::log(dim) / std::log(0.5) * 0.5;
-      EXPECT_NEAR(depth, 0.5 - std::sqrt(0.09 - aside * aside), 1e-4) << step << ' ' << aside;
-      EXPECT_EQ(along(subject, clear, a, b)[3], 0);
-    }
-    VolumePictureOptions clear = options;
-    clear.opacity_factor = 0;
-    EXPECT_EQ(along(subject, clear, {0.81, 0.5, 0}, {0.81, 0.5, 1})[3], 1) << "beside the ball";
-    // Both sides of a translucent surface.
-    clear.isos = {{0.3, Vec3f{1, 1, 1}, 0.25}};
-    EXPECT_NEAR(along(subject, clear, {0.6, 0.5, 0}, {0.6, 0.5, 1})[3], 0.75 * 0.75, 1e-6);
-  }
-}
-
 TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   const Vec3 center{0.5, 0.5, 0.5};
   const FormulaVolume field = ball_volume(center), nothing = constant_volume(0);
@@ -228,7 +70,7 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   VolumePictureOptions with_iso = options;
   with_iso.isos = {{0.4, options.picture.look.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
-  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options.picture)}}, options);
+  const Image mesh = picture_of({&nothing, nullptr, nullptr, {scene_factory(sphere, options.picture)}}, options);
   double most = 0;
   std::size_t both = 0, one = 0;
   for (std::size_t i = 0; i < iso.pixels.size(); ++i) {
@@ -242,154 +84,6 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   EXPECT_GT(both, 1000u);
   EXPECT_LE(one, 12u);  // pixels of the rim
   EXPECT_LT(most, 3);
-}
-
-TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
-  const FormulaVolume field = constant_volume(0.5);
-  TriangleMesh wall = box_surface({0.1, 0.1, 0.4}, {0.9, 0.9, 0.5});
-  VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options.picture)}};
-  VolumePictureOptions clear = options;
-  clear.opacity_factor = 0;
-  const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
-  const auto hidden = along(subject, options, a, b);
-  EXPECT_EQ(hidden[3], 0);
-  EXPECT_NEAR(hidden[0] / along(subject, clear, a, b)[0], std::pow(0.7, 4), 2e-3);
-  const auto beside = along(subject, options, {0.05, 0.5, 0}, {0.05, 0.5, 1});
-  EXPECT_NEAR(beside[3], std::pow(0.7, 10), 1e-5);
-}
-
-TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
-  const FormulaVolume field = constant_volume(0.5);
-  VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  const auto sheet = [&](float z, double opacity) {
-    FlowSubject subject;
-    subject.mesh.vertices = {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
-    subject.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    subject.vectors.resize(4);
-    return DrawnFlow(subject, options.picture).surface({std::nullopt, opacity, false});
-  };
-  const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
-  VolumePictureOptions clear = options;
-  clear.opacity_factor = 0;
-  const double own = along({&field, nullptr, nullptr, {sheet(0.4f, 1)}}, clear, a, b)[0];
-  for (const bool swapped : {false, true}) {
-    const PictureSurface near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
-    VolumeSubject subject{&field, nullptr, nullptr, {swapped ? far : near, swapped ? near : far}};
-    const auto seen = along(subject, options, a, b);
-    EXPECT_NEAR(seen[3], std::pow(0.7, 10) * 0.5 * 0.75, 1e-4);
-    EXPECT_NEAR(seen[0] / own, std::pow(0.7, 4) * 0.5 + std::pow(0.7, 7) * 0.5 * 0.25, 2e-3);
-  }
-}
-
-TEST(VolumePicture, HolesOfABoundaryAreEmpty) {
-  const FormulaVolume field = constant_volume(0.5);  // goes on in the hole
-  const TriangleMesh ring = test::ring_surface();
-  const VolumeSubject subject{&field, nullptr, &ring, {}};
-  const VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
-  EXPECT_EQ(along(subject, options, {0.5, 0.5, 0}, {0.5, 0.5, 1})[3], 1);
-  EXPECT_EQ(along(subject, options, {0.31, 0.69, 0}, {0.31, 0.69, 1})[3], 1);
-  EXPECT_NEAR(along(subject, options, {0.2, 0.5, 0}, {0.2, 0.5, 1})[3], std::pow(0.7, 4), 1e-5);
-  // In, out into the hole, in again, out.
-  EXPECT_NEAR(along(subject, options, {0, 0.45, 0.5}, {1, 0.45, 0.5})[3], std::pow(0.7, 4 * 0.6), 1e-5);
-  // Through the diagonals of the faces' triangles and through edges, where triangles may both claim the ray or none.
-  EXPECT_NEAR(along(subject, options, {0, 0, 0.5}, {1, 1, 0.5})[3], std::pow(0.7, 4 * 0.6 * std::sqrt(2.0)), 1e-4);
-  EXPECT_NEAR(along(subject, options, {0, 0.5, 0.5}, {1, 0.5, 0.5})[3], std::pow(0.7, 4 * 0.6), 1e-4);
-  for (const double y : {0.0, 0.3, 0.7, 1.0}) {  // along faces: whichever side it counts to, a number
-    const auto p = along(subject, options, {0, y, 0.5}, {1, y, 0.5});
-    EXPECT_GE(p[3], std::pow(0.7, 4) - 1e-5);
-    EXPECT_LE(p[3], 1);
-  }
-}
-
-TEST(VolumePicture, WhereCrossingsMakeNoSenseTheFieldDecides) {
-  // A boundary with a missing lid: rays that come in through the gap only ever leave.
-  FormulaVolume field = constant_volume(0.5);
-  TriangleMesh open = box_surface({0, 0, 0}, {1, 1, 1});
-  open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);  // z = 1
-  const VolumeSubject subject{&field, nullptr, &open, {}};
-  const VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
-  const auto p = along(subject, options, {0.3, 0.4, 0}, {0.3, 0.4, 1});
-  EXPECT_TRUE(std::isfinite(p[3]));
-  EXPECT_GE(p[3], std::pow(0.7, 4) - 1e-5);
-  EXPECT_NEAR(along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3})[3], std::pow(0.7, 4), 1e-5);
-}
-
-TEST(VolumePicture, WithoutABoundaryInsideIsWhatTheFieldSays) {
-  FormulaVolume field = constant_volume(0.5);
-  field.in = [](const Vec3& x) { return norm(x - Vec3{0.5, 0.5, 0.5}) < 0.4; };
-  VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
-  options.step = 0.2;
-  const VolumeSubject subject{&field, nullptr, nullptr, {}};
-  const double chord = 2 * std::sqrt(0.16 - 0.04);
-  // To two steps, at its ends.
-  EXPECT_NEAR(std::log(along(subject, options, {0.7, 0.5, 0}, {0.7, 0.5, 1})[3]) / std::log(0.7) * 0.25, chord,
-              2 * 0.2 / 32);
-}
-
-TEST(VolumePicture, CutsTakeAwayAndShowValues) {
-  const FormulaVolume field = linear_volume({1, 0, 0});
-  VolumeSubject subject{&field, nullptr, nullptr, {}};
-  VolumePictureOptions options = one_pixel(fog(0.3, 0.25, {1, 1, 1}));
-  options.clip_faces = false;
-  const Vec3 a{0, 0.5, 0.5}, b{1, 0.5, 0.5};
-  options.clips = {volume_cut_of("x>0.6")};
-  EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.6), 1e-5);
-  options.clips = {volume_cut_of("0.25<x<0.5"), volume_cut_of("x<0.1")};
-  EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.65), 1e-5);
-  options.clips = {volume_cut_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
-  EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * (std::sqrt(2.0) - 0.5)), 1e-5);
-  options.clips = {volume_cut_of("x>-1")};
-  EXPECT_EQ(along(subject, options, a, b)[3], 1);
-  // The face has the colour of its value, and nothing shines through.
-  TransferFunction gray = fog(0.3, 0.25);
-  gray.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
-  options.transfer = gray;
-  options.clip_faces = true;
-  options.clips = {volume_cut_of("x<0.75")};
-  const auto face = along(subject, options, a, b);
-  EXPECT_EQ(face[3], 0);
-  EXPECT_NEAR(face[1], linear_color(gray.color(0.75)).y, 1e-4);
-  // Values that the function leaves clear stay clear.
-  gray.opacities = {{0, 0.5}, {0.7, 0.5}, {0.7, 0}, {1, 0}};
-  options.transfer = gray;
-  EXPECT_EQ(along(subject, options, a, b)[3], 1);
-}
-
-TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
-  const test::TwoSpecks specks({1, 0, 0});
-  const Vec3 r{specks.radius, specks.radius, specks.radius};
-  TriangleMesh boundary = test::octasphere(3);
-  const TriangleMesh ball = boundary;
-  for (Vec3f& v : boundary.vertices) v = Vec3f(specks.centers[0] + Vec3(v) * specks.radius);
-  for (std::array<std::uint32_t, 3> t : ball.triangles) {
-    for (std::uint32_t& v : t) v += static_cast<std::uint32_t>(ball.vertices.size());
-    boundary.triangles.push_back(t);
-  }
-  for (const Vec3f& v : ball.vertices) boundary.vertices.push_back(Vec3f(specks.centers[1] + Vec3(v) * specks.radius));
-  const std::vector<Vec3> places = specks.places();
-  Progress progress;
-  for (const bool given : {true, false}) {
-    VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
-    if (given) subject.places = places;
-    const VolumePicture picture(subject, progress);
-    EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
-    EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;
-    for (const Vec3& c : specks.centers)
-      EXPECT_NEAR(along(subject, one_pixel(fog(0.5, 2 * specks.radius)), c - r, c + r)[3], 0.5, 0.01) << given;
-  }
-}
-
-TEST(VolumePicture, ColoursAndOpacitiesMayComeFromTwoFields) {
-  const FormulaVolume colors = linear_volume({0, 1, 0}), opacities = linear_volume({0, 0, 0.9});
-  TransferFunction f = fog(0, 0.5);
-  f.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
-  f.opacities = {{0, 0}, {0.9, 0.9}};
-  const VolumeSubject subject{&colors, &opacities, nullptr, {}};
-  const VolumePictureOptions options = one_pixel(f);
-  const auto p = along(subject, options, {0.5, 0.3, 0}, {0.5, 0.3, 1});
-  EXPECT_NEAR(p[3], std::exp(-(0.1 * std::log(0.1) + 0.9) / 0.9 / 0.5), 1e-5);
-  EXPECT_NEAR(p[0] / (1 - p[3]), linear_color(f.color(0.3)).x, 1e-3);
 }
 
 TEST(VolumePicture, PresetsTakeOpacitiesFromTheValuesOfTheOpacityField) {
@@ -406,35 +100,6 @@ TEST(VolumePicture, PresetsTakeOpacitiesFromTheValuesOfTheOpacityField) {
     const TransferFunction both = used({&colors, &opacities, nullptr, {}});
     EXPECT_EQ(both.colors, used({&colors, nullptr, nullptr, {}}).colors) << preset;
     EXPECT_EQ(both.opacities, used({&opacities, nullptr, nullptr, {}}).opacities) << preset;
-  }
-}
-
-TEST(VolumePicture, ObliqueLatticesEndAtTheirBoundary) {
-  for (const bool mirrored : {false, true}) {
-    SampledVolume volume;
-    Lattice& lattice = volume.lattice.emplace();
-    Vec3 n = normalized(Vec3{1, -2, 0.7}), u, v;
-    tangent_frame(n, u, v);
-    lattice.directions = {u, mirrored ? -v : v, cross(u, v)};
-    lattice.origin = {0.3, 0.2, 5};
-    for (std::size_t k = 0; k < 3; ++k) lattice.axes[k] = {0, 0.5, 1}, lattice.upper[k] = 1;
-    FormulaVolume field = constant_volume(0.5);
-    field.in = [&lattice](const Vec3& x) { return Box3{{0, 0, 0}, {1, 1, 1}}.contains(lattice.to_axes(x)); };
-    field.box = {};
-    for (int c = 0; c < 8; ++c)
-      field.box.extend(lattice.from_axes({static_cast<double>(c & 1), c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}));
-    const TriangleMesh boundary = volume_boundary(volume);
-    const VolumeSubject subject{&field, nullptr, &boundary, {}};
-    VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
-    options.step = 4;
-    const auto left = [&](const Vec3& a, const Vec3& b) {
-      return along(subject, options, lattice.from_axes(a), lattice.from_axes(b))[3];
-    };
-    for (const double near : {0.5, 0.01, 0.0005}) {  // the nearer to an edge, the shorter the way
-      EXPECT_NEAR(left({near, 0.3, -1}, {near, 0.3, 2}), std::pow(0.7, 4), 1e-5) << near;
-      EXPECT_EQ(left({-near, 0.3, -1}, {-near, 0.3, 2}), 1) << near;
-      EXPECT_NEAR(left({0, near, 0.4}, {near, 0, 0.4}), std::pow(0.7, 4 * near * std::sqrt(2.0)), 1e-5) << near;
-    }
   }
 }
 
@@ -501,7 +166,7 @@ TEST(VolumePicture, TurnsWithFieldAndCamera) {
   const FormulaVolume field = blobs(false), turned = blobs(true);
   VolumePictureOptions options = blob_picture();
   const Image a = picture_of({&field, nullptr, nullptr, {}}, options);
-  options.picture.view.direction.azimuth -= 90;  // the turned one has in −x what this has in z
+  options.picture.view.direction.azimuth -= 90;  // the rotated one has in −x what this has in z
   const Image b = picture_of({&turned, nullptr, nullptr, {}}, options);
   options.picture.view.direction.azimuth += 180;
   const Image c = picture_of({&turned, nullptr, nullptr, {}}, options);
@@ -557,7 +222,7 @@ TEST(VolumeCells, KnowHowManyAroundAreClear) {
   const VolumeCells cells(field, nullptr, progress);
   const auto n = cells.counts();
   std::vector<std::uint8_t> clear(cells.size());
-  for (std::size_t c = 0; c < clear.size(); ++c) clear[c] = c * 2654435761u % 997 < 994;  // few are not
+  for (std::size_t c = 0; c < clear.size(); ++c) clear[c] = c * 2654435761u % 997 < 994;  // only a few are not clear
   std::vector<std::uint8_t> reach = clear;
   detail::clear_reach(cells, reach);
   const auto at = [&](int i, int j, int k) { return static_cast<std::size_t>(i + n[0] * (j + n[1] * k)); };
@@ -580,10 +245,10 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
   Progress progress;
   const PictureFrame frame{{0.5, 0.5, 0.5}, kDiagonal};
   const VolumeCells cells(field, nullptr, progress);
-  const VolumeStretches stretches(field, &boundary, frame);
+  const VolumeIntervals intervals(field, &boundary, frame);
   const VolumePictureOptions options = blob_picture();
   TracedVolume volume;
-  volume.field = &field, volume.bounded = true, volume.stretches = &stretches, volume.cells = &cells;
+  volume.field = &field, volume.bounded = true, volume.intervals = &intervals, volume.cells = &cells;
   volume.frame = frame;
   Camera camera = one_ray({1.5, 0.4, 1.2}, {-1.5, -0.4, -1.2});
   camera.half_width = camera.half_height = 0.35f;

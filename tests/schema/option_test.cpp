@@ -13,7 +13,7 @@ namespace {
 enum class Kernel { compact, gaussian };
 constexpr std::string_view kKernels[] = {"compact", "gaussian"};
 
-/// A ratio such as 3:4.
+/// A ratio, for example 3:4.
 struct Ratio {
   int over = 1, under = 1;
   bool operator==(const Ratio&) const = default;
@@ -63,7 +63,7 @@ struct Options {
   }
 };
 
-/// What an error says; empty if there is none.
+/// Message of the error; empty if there is none.
 template <class Call>
 std::string error_of(Call call) {
   try {
@@ -120,7 +120,7 @@ TEST(OptionSchema, ValuesOfAllKindsComeBackAsTheyWereSet) {
   EXPECT_EQ(o.inner.width, 1024);
   set(o, "rounds", {});
   EXPECT_FALSE(o.rounds);
-  set(o, "angle", std::int64_t{5});  // whole numbers are real ones, too
+  set(o, "angle", std::int64_t{5});  // integers convert to real numbers
   EXPECT_EQ(o.angle, 5.0);
 }
 

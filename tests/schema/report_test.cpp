@@ -1,4 +1,4 @@
-// Reports as data: rows of fields, functions, parts, lists and bases.
+// Reports as data: rows of fields, functions, nested reports, lists and bases.
 #include "sansmesh/report.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The promise that results do not depend on the number of threads.
+// Checks that results do not depend on the number of threads.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,15 +9,15 @@
 
 namespace sansmesh::test {
 
-/// What work() returns if its loops have so many threads, also if there are fewer cores.
+/// Result of work() with this number of threads, even on fewer cores.
 template <class Work>
 auto with_threads(int threads, const Work& work) {
   const ThreadScope scope(threads);
   return work();
 }
 
-/// Calls compare(one, many) with what work() returns on one thread, and on 2 and 8. The thread sanitizer only wants to
-/// see work() on several; sanitizers of memory see the same code elsewhere.
+/// Calls compare(one, many) with the results of work() on one thread, and on 2 and 8. The thread sanitizer only needs
+/// work() to run on several threads; memory sanitizers check the same code elsewhere.
 template <class Work, class Compare>
 void compare_threads(const Work& work, const Compare& compare) {
   if constexpr (SANSMESH_WATCHED_THREADS) {
@@ -32,7 +32,7 @@ void compare_threads(const Work& work, const Compare& compare) {
   }
 }
 
-/// For results that are equal as wholes.
+/// For results with an equality operator.
 template <class Work>
 void expect_equal_for_any_threads(const Work& work) {
   compare_threads(work, [](const auto& one, const auto& many) { EXPECT_TRUE(one == many); });

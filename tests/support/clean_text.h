@@ -1,4 +1,4 @@
-// Whether a message can be shown in one line of a terminal. Told independently of the library, which makes it so.
+// Test of whether a message is printable on one line of a terminal; independent of the library.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace sansmesh::test {
 
-/// UTF-8 without control characters and line breaks.
+/// Checks for UTF-8 without control characters and line breaks.
 inline bool is_clean(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto at = [&](std::size_t k) { return static_cast<unsigned>(static_cast<unsigned char>(text[i + k])); };

@@ -1,4 +1,4 @@
-// Clouds with known truth for the tests. Deterministic.
+// Deterministic test clouds with known truth.
 #pragma once
 
 #include <algorithm>
@@ -62,7 +62,7 @@ inline PointSet torus(std::size_t n, unsigned seed = 1) {
   return cloud;
 }
 
-/// Both, the second one scaled and then moved; with normals if the first has them.
+/// Both clouds, the second one scaled and then moved; with normals if the first has them.
 inline PointSet joined(PointSet cloud, const PointSet& other, float scale = 1, const Vec3f& by = {}) {
   const bool with_normals = cloud.has_normals();
   for (std::size_t i = 0; i < other.size(); ++i) {
@@ -72,8 +72,8 @@ inline PointSet joined(PointSet cloud, const PointSet& other, float scale = 1, c
   return cloud;
 }
 
-/// The unit sphere as a mesh without normals: an octahedron whose triangles were cut in four `levels` times.
-/// 4^(levels + 1) + 2 vertices.
+/// Unit sphere as a mesh without normals: an octahedron whose triangles are split in four `levels` times. 4^(levels +
+/// 1) + 2 vertices.
 inline PointSet ball_mesh(int levels) {
   const TriangleMesh ball = octasphere(levels);
   PointSet mesh;

@@ -1,4 +1,4 @@
-// Closed meshes of flat faces that meet at edges of many angles, convex and concave. Exact.
+// Exact closed meshes of flat faces that meet at edges of many angles, convex and concave.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline TriangleMesh cube_of_faces() {
   return mesh;
 }
 
-/// A regular icosahedron with vertices at a distance of 1: blunt edges, where normals turn by 41.8°.
+/// Regular icosahedron with vertices at distance 1: blunt edges, where normals turn by 41.8°.
 inline TriangleMesh icosahedron() {
   const double phi = std::numbers::phi, size = std::hypot(1.0, phi);
   TriangleMesh mesh;
@@ -32,7 +32,7 @@ inline TriangleMesh icosahedron() {
         v[static_cast<std::size_t>((axis + 2) % 3)] = b / size;
         mesh.vertices.emplace_back(v);
       }
-  // Faces are the triples of neighbours: vertices 2 / √(1 + φ²) apart.
+  // Faces are the triples of neighbouring vertices, 2 / √(1 + φ²) apart.
   const auto near = [&](std::uint32_t i, std::uint32_t j) {
     return std::abs(static_cast<double>(norm(mesh.vertices[i] - mesh.vertices[j])) - 2 / size) < 1e-5;
   };
@@ -47,8 +47,8 @@ inline TriangleMesh icosahedron() {
   return mesh;
 }
 
-/// A profile in x and y, swept along z from 0 to 1. Where its sides meet, normals turn by 30°, 45°, 60°, 90°, 106° and
-/// 134°, and by 45° and 60° the other way: a notch.
+/// Profile in x and y, swept along z from 0 to 1. At its edges normals turn by 30°, 45°, 60°, 90°, 106° and 134°, and
+/// by 45° and 60° in the opposite direction: a notch.
 inline TriangleMesh swept_profile() {
   constexpr std::array<std::array<double, 2>, 8> outline{
       {{0, 0}, {1.4, 0}, {1.9, 0.29}, {1.9, 0.95}, {1.35, 0.95}, {1.0, 0.6}, {0.55, 0.6}, {0.3, 1.03}}};
@@ -61,7 +61,7 @@ inline TriangleMesh swept_profile() {
     mesh.triangles.push_back({i, j, j + n});
     mesh.triangles.push_back({i, j + n, i + n});
   }
-  // The outline in triangles, all of them counter-clockwise.
+  // Counter-clockwise triangles of the outline.
   for (const auto& [a, b, c] : {Triangle{0, 6, 7}, {0, 5, 6}, {0, 1, 5}, {1, 2, 5}, {2, 4, 5}, {2, 3, 4}}) {
     mesh.triangles.push_back({a + n, b + n, c + n});
     mesh.triangles.push_back({a, c, b});

@@ -1,5 +1,5 @@
-// LAS files made for tests, in every version and point format: written from the tables of the specification, apart from
-// the reader.
+// Writes LAS test files in every version and point format, from the tables of the specification and independent of the
+// reader.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace sansmesh::test {
 
-/// One record, in the file's own steps.
+/// One record, in the units of the file.
 struct LasPoint {
   std::int32_t x = 0, y = 0, z = 0;
   std::uint16_t intensity = 0;
@@ -32,12 +32,12 @@ struct LasPoint {
 struct LasFile {
   unsigned minor = 4, format = 6;
   Vec3 scale{0.001, 0.001, 0.001}, offset{};
-  std::size_t extra = 0;                          ///< bytes after each record that belong to nobody
-  std::optional<std::uint32_t> short_count = {};  ///< of the header of LAS 1.4; as the format wants it if absent
+  std::size_t extra = 0;                          ///< unused bytes after each record
+  std::optional<std::uint32_t> short_count = {};  ///< in the header of LAS 1.4; default: as the format requires
   std::optional<std::uint64_t> long_count = {};
   std::string variable = {};  ///< records between header and points
   std::uint32_t variable_count = 0;
-  std::string (*own)(const LasPoint&) = nullptr;  ///< bytes after each record with a meaning, before the extra ones
+  std::string (*own)(const LasPoint&) = nullptr;  ///< meaningful bytes after each record, before the unused ones
   std::vector<LasPoint> points = {};
 
   bool wide() const { return format >= 6; }
@@ -53,7 +53,7 @@ struct LasFile {
     put(s, p.x), put(s, p.y), put(s, p.z), put(s, p.intensity);
     if (wide()) {
       put(s, static_cast<std::uint8_t>(p.return_number | p.returns << 4));
-      // Scanner channel 2, scanned to the right, not at the edge: none of it is a flag that the reader wants.
+      // Scanner channel 2, scan direction right, not at the edge: the reader ignores these flags.
       put(s, static_cast<std::uint8_t>(p.synthetic | p.key_point << 1 | p.withheld << 2 | p.overlap << 3 | 2u << 4 |
                                        1u << 6));
       put(s, static_cast<std::uint8_t>(p.classification)), put(s, p.user_data);
@@ -99,7 +99,7 @@ struct LasFile {
   }
 };
 
-/// The point formats that a version has.
+/// Largest point format of a version.
 inline unsigned last_point_format(unsigned minor) { return minor >= 4 ? 10 : minor == 3 ? 5 : minor == 2 ? 3 : 1; }
 
 }  // namespace sansmesh::test

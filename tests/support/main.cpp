@@ -1,15 +1,15 @@
-// What every test program does besides GoogleTest's own options (--help lists those):
+// Options of every test program besides GoogleTest's own (see --help):
 //
-//   --threads=N     loops of the library run on N threads unless the test says otherwise: one by default, because ctest
-//                   runs as many programs at a time as there are cores
-//   --simd=NAME     kernels run on this set of instructions (SCALAR, SSE4, AVX2 …) of those that the library holds
-//   --simd=others   the tests run once for every set that this processor has but the best one, which they take
-//                   anyway; not those that begin with SANSMESH_RUNS_ONCE
-//   --files=A,B     only tests out of these sources, in place of --gtest_filter
+//   --threads=N     number of threads of the library's loops unless the test sets it; default 1, since ctest runs
+//                   several programs in parallel
+//   --simd=NAME     instruction set of the kernels (SCALAR, SSE4, AVX2 …), of those in the library
+//   --simd=others   runs the tests once for every instruction set of this processor except the best one, which is the
+//                   default; skips tests that begin with SANSMESH_RUNS_ONCE
+//   --files=A,B     runs only tests from these sources; replaces --gtest_filter
 //
-// Ends with the number of failed runs, at most 1.
+// Exits with the number of failed runs, at most 1.
 #include "sansmesh/core/simd_targets.h"
-// After simd_targets.h, which says what the library holds.
+// Must follow simd_targets.h, which defines the library's instruction sets.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 #include <sys/wait.h>
@@ -29,14 +29,14 @@
 namespace sansmesh::test {
 namespace {
 
-/// Value of --name=…, which is taken out of the arguments; empty if it is not there.
+/// Returns the value of --name=… and removes it from the arguments; empty if absent.
 std::string take(int& argc, char** argv, const std::string& name) {
   const std::string start = "--" + name + "=";
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
     if (!argument.starts_with(start)) continue;
     std::string value(argument.substr(start.size()));
-    for (int k = i; k < argc; ++k) argv[k] = argv[k + 1];  // the null pointer behind them as well
+    for (int k = i; k < argc; ++k) argv[k] = argv[k + 1];  // including the terminating null pointer
     --argc;
     return value;
   }
@@ -53,7 +53,7 @@ bool is_one_of(std::string_view path, const std::string& files) {
   return false;
 }
 
-/// A filter of GoogleTest for the tests of some sources.
+/// GoogleTest filter for the tests of some sources.
 std::string filter_of(const std::string& files) {
   std::string names;
   const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
@@ -77,11 +77,11 @@ int run(int threads) {
   return RUN_ALL_TESTS();
 }
 
-/// Runs the tests in a process of its own for each of the sets: some keep what they have computed.
+/// Runs the tests in a separate process per instruction set, since some cache results.
 int run_on_others(const std::vector<std::int64_t>& targets, int threads) {
   int failed = 0;
   for (const std::int64_t target : targets) {
-    if (target == targets.front()) continue;  // sorted from the best on
+    if (target == targets.front()) continue;  // sorted, best first
     std::printf("kernels: %s\n", hwy::TargetName(target));
     std::fflush(nullptr);
     const pid_t child = ::fork();

@@ -1,4 +1,4 @@
-// Slow, obvious checks of a mesh.
+// Slow reference checks of a mesh.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@ namespace sansmesh::test {
 
 struct Topology {
   std::size_t bad_edges = 0;     ///< not shared by exactly two triangles of opposite direction
-  std::size_t bad_vertices = 0;  ///< whose triangles are not one closed fan
+  std::size_t bad_vertices = 0;  ///< triangles do not form one closed fan
   long euler = 0;
   bool closed_manifold() const { return bad_edges == 0 && bad_vertices == 0; }
 };

@@ -32,7 +32,7 @@ inline TriangleMesh octasphere(int levels) {
   return mesh;
 }
 
-/// Torus around z with radii 1 and 0.35, cut into m × n quadrilaterals.
+/// Torus around z with radii 1 and 0.35, of m × n quadrilaterals.
 inline TriangleMesh torus_mesh(std::uint32_t m, std::uint32_t n) {
   TriangleMesh mesh;
   for (std::uint32_t i = 0; i < m; ++i)

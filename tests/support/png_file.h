@@ -1,4 +1,4 @@
-// PNG files as the tool writes them, read without the library that writes them.
+// Reads PNG files written by the tool, without the library that wrote them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 
 namespace sansmesh::test {
 
-/// RGBA, row by row from the top. Empty, after a failure, where the file is not such a picture.
+/// RGBA, row by row from the top. Empty, after a test failure, if the file is not such an image.
 struct PngPicture {
   std::size_t width = 0, height = 0;
   std::vector<std::uint8_t> bytes;
@@ -33,7 +33,8 @@ inline PngPicture read_png(const std::string& file) {
   const std::string s{std::istreambuf_iterator<char>(stream), {}};
   const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(s[k])); };
   const auto number = [&](std::size_t k) { return byte(k) << 24 | byte(k + 1) << 16 | byte(k + 2) << 8 | byte(k + 3); };
-  // Signature, then IHDR: width, height, 8 bits, RGBA; then the data inflate to rows of a filter byte and the pixels.
+  // Signature, then IHDR: width, height, 8 bits, RGBA; then the data, which inflate to rows of a filter byte and the
+  // pixels.
   if (s.size() < 40 || s.substr(0, 8) != "\x89PNG\r\n\x1a\n" || s[24] != 8 || s[25] != 6) {
     ADD_FAILURE() << file << " is no PNG of 8 bits a channel, RGBA";
     return {};
@@ -50,7 +51,7 @@ inline PngPicture read_png(const std::string& file) {
   for (std::size_t y = 0; y < picture.height; ++y) {
     const unsigned filter = rows[y * (stride + 1)];
     EXPECT_LE(filter, 4u);
-    for (std::size_t i = 0; i < stride; ++i) {  // undo the filter
+    for (std::size_t i = 0; i < stride; ++i) {  // reverses the filter
       const std::size_t at = pixels.size();
       const int a = i >= 4 ? pixels[at - 4] : 0, b = y > 0 ? pixels[at - stride] : 0,
                 c = i >= 4 && y > 0 ? pixels[at - stride - 4] : 0;

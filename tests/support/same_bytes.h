@@ -1,4 +1,4 @@
-// Arrays that are equal to the bit, NaN and padding included.
+// Bitwise equality of arrays, NaN and padding included.
 #pragma once
 
 #include <cstring>
@@ -6,7 +6,7 @@
 
 namespace sansmesh::test {
 
-/// Of vectors, spans or shared arrays.
+/// For vectors, spans and shared arrays.
 template <class A, class B>
 bool same_bytes(const A& a, const B& b) {
   const std::span x(a.data(), a.size()), y(b.data(), b.size());

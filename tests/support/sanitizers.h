@@ -1,4 +1,4 @@
-// Which sanitizer this build has, and which tests are not for it or not for every set of instructions.
+// Sanitizer of this build, and tests to skip with sanitizers or on other instruction sets.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,17 +21,17 @@ inline constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
 inline constexpr bool kAddressSanitizer = false;
 #endif
 
-/// Whether the tests run once more, on another set of instructions than the best one (main.cpp).
+/// Whether the tests run again on another instruction set than the best one (main.cpp).
 inline bool on_other_simd = false;
 
 }  // namespace sansmesh::test
 
-/// First line of a test that takes long under sanitizers and shows them nothing new: `why` says who runs the same code.
+/// First line of a test that is slow under sanitizers and covers no additional code: `why` names the test of the same
+/// code.
 #define SANSMESH_NOT_SANITIZED(why) \
   if (::sansmesh::test::kAddressSanitizer || ::sansmesh::test::kThreadSanitizer) GTEST_SKIP() << why
 
-/// The same for what shows nothing new on other sets of instructions either: tests/kernels says that they give the same
-/// bits.
+/// Same, also for other instruction sets: tests/kernels checks that they give identical bits.
 #define SANSMESH_RUNS_ONCE(why) \
   SANSMESH_NOT_SANITIZED(why);  \
   if (::sansmesh::test::on_other_simd) GTEST_SKIP() << why

@@ -1,5 +1,5 @@
-// The container of function files once more, in memory and without any checks: for tests and fuzzing that need files
-// which are wrong in one place and right in all others. Follows docs/formats/smf.md, not the library.
+// Independent implementation of the container of function files, in memory and without checks, for tests and fuzzing
+// with files that are wrong in one place. Follows docs/formats/smf.md, not the library.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace sansmesh::test {
 
 inline constexpr std::size_t kHeaderBytes = 64, kEntryBytes = 40, kSectionAlignment = 64;
-/// Offsets within the header and within an entry of its table.
+/// Offsets in the header and in a table entry.
 inline constexpr std::size_t kMajorAt = 8, kMinorAt = 12, kFileSizeAt = 16, kSectionsAt = 24, kChecksumAt = 56;
 inline constexpr std::size_t kEntryOffsetAt = 8, kEntryBytesAt = 16, kEntryElementAt = 24, kEntryChecksumAt = 32;
 
@@ -36,7 +36,7 @@ void put_number(std::string& bytes, std::size_t at, T value) {
   if (at + sizeof(T) <= bytes.size()) std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-/// Makes all checksums right that can be: those of sections that lie in the file, then that of header and table.
+/// Recomputes all checksums: of the sections within the file, then of header and table.
 inline void mend_checksums(std::string& bytes) {
   if (bytes.size() < kHeaderBytes) return;
   const std::size_t count =
@@ -52,7 +52,7 @@ inline void mend_checksums(std::string& bytes) {
   put_number<std::uint64_t>(bytes, kChecksumAt, XXH3_64bits(covered.data(), covered.size()));
 }
 
-/// A file of these sections, of the kind that the letters and the minor version are of.
+/// File with these sections and the given magic letters and minor version.
 inline std::string packed(const std::vector<RawSection>& sections, std::string_view letters = "SMF",
                           std::uint32_t minor = 2) {
   const auto pad = [](std::string& s) {
@@ -79,7 +79,7 @@ inline std::string packed(const std::vector<RawSection>& sections, std::string_v
   return file;
 }
 
-/// The sections of a file, as far as they lie in it.
+/// Sections of a file that are within its size.
 inline std::vector<RawSection> unpacked(std::string_view bytes) {
   std::vector<RawSection> sections;
   if (bytes.size() < kHeaderBytes) return sections;

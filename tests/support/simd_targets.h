@@ -1,8 +1,8 @@
-// The instruction sets that this machine runs and the library has kernels for, one after another.
+// Instruction sets of this machine for which the library has kernels.
 #pragma once
 
 #include "sansmesh/core/simd_targets.h"
-// After simd_targets.h, which says what the library holds.
+// Must follow simd_targets.h, which defines the library's instruction sets.
 #include <hwy/targets.h>
 
 #include <cstdint>
@@ -17,7 +17,7 @@ inline std::vector<std::int64_t> simd_targets() {
   return targets;
 }
 
-/// As long as it lives all kernels of the process run on one target. Not while other threads run kernels.
+/// Selects the target of all kernels of the process while it lives. No other thread may run kernels meanwhile.
 class OnTarget {
  public:
   explicit OnTarget(std::int64_t target) { hwy::GetChosenTarget().Update(target); }

@@ -1,4 +1,4 @@
-// Maps of space by formula.
+// Maps of space given by formulas.
 #pragma once
 
 #include <cmath>
@@ -38,7 +38,7 @@ class AffineSpaceMap final : public SpaceMap {
 
 inline AffineSpaceMap identity_map() { return {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {}}; }
 
-/// Turned around the z axis by `rate` · z: volumes stay.
+/// Rotation about the z axis by `rate` · z: preserves volumes.
 class TwistMap final : public SpaceMap {
  public:
   explicit TwistMap(double rate) : rate_(rate) {}
@@ -58,7 +58,8 @@ class TwistMap final : public SpaceMap {
   double rate_;
 };
 
-/// Both sides of x = 0 moved away from it by `half`; what is between is a gap. `near`: how far away it is known.
+/// Moves both sides of x = 0 away from it by `half`, with a gap in between. `near`: distance up to which the gap is
+/// known.
 class SplitMap final : public SpaceMap {
  public:
   explicit SplitMap(double half, double near = std::numeric_limits<double>::infinity()) : half_(half), near_(near) {}

@@ -1,4 +1,4 @@
-// Surfaces that are known by name, for tests that are run for each.
+// Names of all registered surface methods, for parameterised tests.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Thin shapes of high genus with known truth: what is hard for a blend of local functions, whose supports reach through
+// Thin shapes of high genus with known truth: difficult for blends of local functions, whose supports reach through
 // thin walls. Deterministic.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace sansmesh::test {
 
-/// A solid: negative inside, about a distance near its surface.
+/// Solid: negative inside, approximately a distance near its surface.
 struct ThinShape : ScalarField {
   std::function<double(const Vec3&)> value;
   Box3 box;
@@ -37,7 +37,7 @@ struct ThinShape : ScalarField {
   }
 };
 
-/// What is inside both, its edges rounded with the given radius.
+/// Intersection with edges rounded by the given radius.
 inline double rounded_both(double a, double b, double radius) {
   if (radius <= 0) return std::max(a, b);
   const double p = a + radius, q = b + radius;
@@ -46,7 +46,7 @@ inline double rounded_both(double a, double b, double radius) {
 
 inline Box3 cube_of(double half) { return {{-half, -half, -half}, {half, half, half}}; }
 
-/// A wall of the given thickness along a gyroid of period 1 (cubic cells of edge 1) within a ball, its rim rounded.
+/// Wall of the given thickness along a gyroid of period 1 (cubic cells of edge 1) within a ball, with a rounded rim.
 inline ThinShape gyroid_shell(double thickness, double radius) {
   ThinShape shape;
   shape.box = cube_of(1.1 * radius);
@@ -56,15 +56,15 @@ inline ThinShape gyroid_shell(double thickness, double radius) {
                  cz = std::cos(p.z);
     const double g = sx * cy + sy * cz + sz * cx;
     const double slope = norm(Vec3{cx * cy - sz * sx, cy * cz - sx * sy, cz * cx - sy * sz});
-    // Away from the wall the slope vanishes at places; it need not be exact there.
+    // Far from the wall the slope vanishes at some points; accuracy is not needed there.
     const double wall = std::abs(g) / (2 * std::numbers::pi * std::max(slope, 0.3)) - 0.5 * thickness;
     return rounded_both(wall, norm(x) - radius, 0.5 * thickness);
   };
   return shape;
 }
 
-/// A straight chain of tori with radii 1 and `thin` (below 0.15), each turned by a right angle against the last, linked
-/// without touching.
+/// Straight chain of `count` linked tori with radii 1 and `thin` (below 0.15), each rotated by a right angle against
+/// the previous one, without contact.
 inline ThinShape linked_tori(int count, double thin) {
   ThinShape shape;
   const double pitch = 1.15, half = 0.5 * pitch * (count - 1);
@@ -80,7 +80,7 @@ inline ThinShape linked_tori(int count, double thin) {
   return shape;
 }
 
-/// A square plate of edge 2 with holes × holes round holes, its edges rounded or (`sharp`) right angles.
+/// Square plate of edge 2 with holes × holes round holes, its edges rounded or (`sharp`) at right angles.
 inline ThinShape perforated_plate(double thickness, int holes, bool sharp) {
   ThinShape shape;
   shape.box = {{-1.1, -1.1, -0.2}, {1.1, 1.1, 0.2}};
@@ -98,7 +98,7 @@ inline ThinShape perforated_plate(double thickness, int holes, bool sharp) {
   return shape;
 }
 
-/// A pipe of radius 0.5 and length 2 whose wall has the given thickness, its ends rounded.
+/// Pipe of radius 0.5 and length 2 with the given wall thickness and rounded ends.
 inline ThinShape thin_tube(double thickness) {
   ThinShape shape;
   shape.box = cube_of(1.1);
@@ -108,11 +108,10 @@ inline ThinShape thin_tube(double thickness) {
   return shape;
 }
 
-/// Samples of the shape's surface, evenly spread, with exact normals. Neighbours are `spacing` apart in the mean
-/// (√(area / count)).
+/// Evenly spaced samples of the shape's surface with exact normals; mean spacing `spacing` (√(area / count)).
 inline PointSet even_samples(const ThinShape& shape, double spacing, unsigned seed = 1) {
-  // Points uniform in a narrow band, brought onto the surface along its normals, are uniform in area; then thinned.
-  // Cells far from the surface are passed over.
+  // Points uniform in a narrow band, projected onto the surface along its normals, are uniform in area; then thinned.
+  // Skips cells far from the surface.
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   const double radius = 0.83 * spacing, band = 0.25 * spacing, cell = 3 * spacing;

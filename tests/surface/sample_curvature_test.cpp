@@ -32,7 +32,7 @@ TEST(SampleCurvature, OfACylinderHasItsDirections) {
     for (const double side : {1.0, -1.0}) {
       const std::vector<Vec3> x{frame.to_input(normal + Vec3{0, 0, 0.2})};
       const std::vector<Vec3f> normals{Vec3f(normal * side)};
-      std::vector<SurfaceBend> found(1);
+      std::vector<SurfaceCurvature> found(1);
       curvature.evaluate(x, normals, found);
       ASSERT_TRUE(found[0].defined);
       EXPECT_NEAR(found[0].k1, side > 0 ? 0.1f : 0.0f, 2e-3f);
@@ -53,7 +53,7 @@ TEST(SampleCurvature, IsSmoothBetweenSamples) {
     x.push_back({std::cos(angle), 0, std::sin(angle)});
     normals.push_back(Vec3f(x.back()));
   }
-  std::vector<SurfaceBend> found(x.size());
+  std::vector<SurfaceCurvature> found(x.size());
   curvature.evaluate(x, normals, found);
   for (std::size_t i = 0; i < x.size(); ++i) {
     EXPECT_NEAR(found[i].mean(), 1, 5e-3f);

@@ -1,5 +1,5 @@
-// Every room of the library at work on several threads: the same result as on one, and nothing that the thread
-// sanitizer has to say. Clouds are as large as it takes for loops to be cut into pieces.
+// Every room of the library on several threads: the same result as on one, without reports of the thread sanitizer.
+// Clouds are large enough for parallel loops to be divided.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -26,7 +26,7 @@
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
-#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/function_distance.h"
@@ -69,7 +69,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers of all kinds, bit by bit.
+/// Values of any type, compared bit by bit.
 class Findings {
  public:
   template <class T>
@@ -103,7 +103,7 @@ PointSet colored_torus(std::size_t n) {
   return cloud;
 }
 
-/// Made once; read by all.
+/// Shared, read-only.
 const FittedFunction& torus_function() {
   static const FittedFunction function = [] {
     Progress progress;

@@ -43,8 +43,8 @@ LocalPolynomialOptions polynomials_of_amls() {
   return options;
 }
 
-TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
-  // Cells forty times as long as high, and waves across them.
+TEST(Amls, SpheresReachAcrossCellsThatEllipsoidsFit) {
+  // Cells forty times as long as high, with waves across them.
   const auto layered = [](const Vec3& x) { return std::sin(120 * x.z) + x.x; };
   GridData data = bent_grid({9, 9, 81}, layered);
   for (Vec3& x : data.blocks[0].points) x.z /= 4;
@@ -72,9 +72,9 @@ TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
   EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);
 }
 
-// Whatever values the samples left out have, what the others say of them is the same but for rounding.
-TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
-  // The last one is large enough to be judged by patches.
+// The values at samples left out change the predictions there only by rounding.
+TEST(AmlsTrial, SamplesLeftOutHaveNoInfluence) {
+  // The last one is large enough for patches.
   for (const auto& [data, association] : {std::pair{bent_grid({9, 9, 9}, hilly), Association::points},
                                           std::pair{lattice_grid({9, 9, 9}, hilly), Association::points},
                                           std::pair{tetrahedra_grid({8, 8, 8}, hilly), Association::points},
@@ -107,7 +107,7 @@ TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
   }
 }
 
-TEST(AmlsTrial, LinearFunctionsAreNotMissed) {
+TEST(AmlsTrial, LinearFunctionsArePredictedExactly) {
   const auto volume = volume_of(bent_grid({9, 9, 9}, linear_function));
   Progress progress;
   const VolumeValues values = volume_values(*volume, "f");
@@ -121,12 +121,12 @@ TEST(AmlsTrial, LinearFunctionsAreNotMissed) {
   });
 }
 
-TEST(AmlsField, IsNowhereFartherOffThanLinear) {
+TEST(AmlsField, IsNowhereWorseThanLinear) {
   SANSMESH_RUNS_ONCE("judges accuracy; others reconstruct the same grids");
   for (const auto& f : {VolumeFunction(hilly), VolumeFunction(front)})
     for (const NamedGrid& grid : all_grids(f)) {
-      if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
-      // Limits on the page of reconstructions: borders of levels, and fronts that lie between two samples.
+      if (grid.name.ends_with("cells")) continue;  // cell values are means there, not function values
+      // Known limits (docs/methods/volume-reconstruction.md): borders of levels, and fronts between two samples.
       if (grid.name == "two levels" || grid.name == "tetrahedra of an o-grid") continue;
       SCOPED_TRACE(grid.name);
       const auto volume = volume_of(grid.data, grid.association);
@@ -146,7 +146,7 @@ TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
   });
 }
 
-// Samples at most so many edges away from the corners of a cell.
+// Samples within `rings` edges of the corners of a cell.
 std::set<std::uint32_t> around(const SampledVolume& volume, const VolumePlace& place, int rings) {
   std::set<std::uint32_t> all(place.corners.begin(), place.corners.begin() + place.corner_count);
   std::vector<std::uint32_t> star;
@@ -158,8 +158,8 @@ std::set<std::uint32_t> around(const SampledVolume& volume, const VolumePlace& p
   return all;
 }
 
-// Lists of cells hold all supports that reach their points and are connected to them.
-TEST(SupportIndex, NothingThatReachesACellIsMissing) {
+// The lists of cells contain all supports that reach their points and are connected to them.
+TEST(SupportIndex, ContainsAllSupportsThatReachACell) {
   for (const auto& data : {bent_grid({6, 7, 5}, hilly, 1.4), tetrahedra_grid({5, 5, 5}, hilly),
                            lattice_grid({7, 6, 5}, hilly), stretched_grid({7, 6, 5}, hilly)}) {
     const auto volume = volume_of(data);
@@ -188,8 +188,8 @@ TEST(SupportIndex, NothingThatReachesACellIsMissing) {
   }
 }
 
-// Against sums one after another in double precision.
-TEST(AmlsKernels, SumsAreThoseOfTheFormula) {
+// Compared with sequential sums in double precision.
+TEST(AmlsKernels, SumsFollowTheFormula) {
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
   constexpr std::size_t kSupports = 45, kComponents = 2, kBlocks = 3;

@@ -6,59 +6,15 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/error.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
+#include "volume/volume_sizes.h"
 
 namespace sansmesh::test {
 namespace {
-
-double enclosed(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    sum += dot(cross(a, b), c) / 6;
-  }
-  return sum;
-}
-
-double volume_of_cells(const SampledVolume& volume) {
-  if (volume.lattice) {
-    double product = 1;
-    for (std::size_t k = 0; k < 3; ++k) product *= volume.lattice->upper[k] - volume.lattice->lower[k];
-    return product;
-  }
-  double sum = 0;
-  std::array<Vec3, 8> x;
-  for (std::size_t c = 0; c < volume.cells.size(); ++c) {
-    const auto corners = volume.cells[c];
-    for (std::size_t k = 0; k < corners.size(); ++k) x[k] = volume.corner(corners[k]);
-    sum += cell_volume(volume.cells.shapes[c], std::span(x).first(corners.size()));
-  }
-  return sum;
-}
-
-/// Of cells that overlap: the share of random places of the box that are inside.
-double volume_by_chance(const SampledVolume& volume) {
-  const Box3 box = volume.bounds();
-  std::mt19937 random(3);
-  std::vector<Vec3> x(50000);
-  for (Vec3& p : x)
-    for (std::size_t k = 0; k < 3; ++k)
-      p[k] = box.lower[k] + box.size()[k] * static_cast<double>(random()) / 4294967296.0;
-  std::vector<VolumePlace> places(x.size());
-  VolumeLocator(volume).locate(x, places);
-  const auto inside = std::count_if(places.begin(), places.end(), [](const VolumePlace& p) { return p.inside; });
-  return box.size().x * box.size().y * box.size().z * static_cast<double>(inside) / static_cast<double>(x.size());
-}
-
-bool same_but_for_blocks(const SampledVolume& a, const SampledVolume& b) {
-  return a.positions == b.positions && a.corners == b.corners && a.cells.shapes == b.cells.shapes &&
-         a.cells.corners == b.cells.corners && a.cells.first == b.cells.first && a.cell_sample == b.cell_sample &&
-         a.stars.entries == b.stars.entries && a.stars.first == b.stars.first && a.part == b.part &&
-         a.level == b.level && a.attributes == b.attributes;
-}
 
 TEST(AssembleVolume, StarsAreSymmetricAscendingAndWithoutTheirSample) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
@@ -88,8 +44,9 @@ TEST(AssembleVolume, BoundaryEnclosesTheCells) {
     const bool overlapping = grid.name.starts_with("overlapping");
     const double of_cells = overlapping ? volume_by_chance(*volume) : volume_of_cells(*volume);
     const TriangleMesh mesh = volume_boundary(*volume);
-    // Curved faces are cut into two triangles, which are not quite where the faces are.
-    EXPECT_NEAR(enclosed(mesh), of_cells, (overlapping || grid.name.starts_with("bent") ? 2e-2 : 1e-5) * of_cells);
+    // Curved faces are split into two triangles, which deviate from them.
+    EXPECT_NEAR(measure_size(mesh).volume, of_cells,
+                (overlapping || grid.name.starts_with("bent") ? 2e-2 : 1e-5) * of_cells);
     std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (const Triangle& t : mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
@@ -108,23 +65,23 @@ double length_of(const PolylineSet& lines) {
   return sum;
 }
 
-TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
+TEST(AssembleVolume, BoundaryEdgesAreUniqueEdgesOfOuterFaces) {
   // A unit cube of 3 × 3 × 3 cells: on every axis 4 lines on each of two sides, and 2 on each of the two others.
   const GridData lattice = lattice_grid({4, 4, 4}, linear_function);
   const PolylineSet lines = boundary_edges(*volume_of(lattice));
   EXPECT_EQ(lines.size(), 36u);
   EXPECT_NEAR(length_of(lines), 36, 1e-5);
-  // By cells, each edge alone.
+  // The single edges of cells.
   const PolylineSet edges = boundary_edges(*volume_of(bent_grid({4, 4, 4}, linear_function)));
   EXPECT_EQ(edges.size(), 108u);
-  // With values in cells, lines lie where these end, not through their middles.
+  // For cell data, lines are on the cell borders, not through the cell centres.
   const PolylineSet in_cells = boundary_edges(*volume_of(lattice, Association::cells));
   EXPECT_EQ(in_cells.size(), 36u);
   std::set<float> heights;
   for (const Vec3f& x : in_cells.positions)
     heights.insert(std::round(300 * (x.z + static_cast<float>(in_cells.origin.z))));
   EXPECT_EQ(heights, (std::set<float>{0, 100, 200, 300}));
-  // Of tetrahedra also the diagonals; what is hidden between levels is not drawn twice.
+  // Tetrahedra also have diagonals; hidden faces between levels are not drawn twice.
   EXPECT_EQ(boundary_edges(*volume_of(tetrahedra_grid({4, 4, 4}, linear_function))).size(), 108u + 54u);
   const auto amr = volume_of(two_level_amr(8, linear_function), Association::cells);
   const PolylineSet levels = boundary_edges(*amr);
@@ -139,15 +96,15 @@ TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
   }
 }
 
-TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
+TEST(AssembleVolume, RepairsCells) {
   const auto o = volume_of(o_grid({17, 5, 6}, linear_function));
-  EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // the axis once, the seam once
+  EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // one axis, one seam
   EXPECT_EQ(o->cells.size(), 16 * 4 * 5u);
   EXPECT_EQ(o->facts.degenerate, 16 * 5u);
   EXPECT_EQ(o->facts.parts, 1u);
   EXPECT_EQ(std::count(o->cells.shapes.begin(), o->cells.shapes.end(), CellShape::wedge), 16 * 5);
 
-  // One edge of a hexahedron without length: two pyramids, of the same volume.
+  // A hexahedron with an edge of zero length: two pyramids with the same volume.
   GridBlock block = tetrahedra_of(lattice_block({2, 2, 2}));
   block.cells = {};
   block.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
@@ -155,9 +112,9 @@ TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
   const auto collapsed = volume_of(one_block(block, linear_function));
   EXPECT_EQ(collapsed->facts.degenerate, 1u);
   EXPECT_EQ(collapsed->cells.size(), 2u);
-  EXPECT_NEAR(volume_of_cells(*collapsed), enclosed(volume_boundary(*collapsed)), 1e-6);
+  EXPECT_NEAR(volume_of_cells(*collapsed), measure_size(volume_boundary(*collapsed)).volume, 1e-6);
 
-  // Inside out among others: turned.
+  // An inverted cell among others is turned.
   GridBlock turned = tetrahedra_of(lattice_block({3, 3, 3}));
   std::swap(turned.cells.corners[0], turned.cells.corners[1]);
   const auto upright = volume_of(one_block(turned, linear_function));
@@ -187,7 +144,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     try {
       volume = volume_of(one_block(block, linear_function));
     } catch (const DataError&) {
-      continue;  // nothing left
+      continue;  // no cells remain
     }
     ++kept;
     for (std::size_t c = 0; c < volume->cells.size(); ++c) {
@@ -201,7 +158,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});
     for (std::size_t k = 0; k < x.size(); ++k) {
-      // Many of these cells are folded over and over, and cover some places several times.
+      // Many of these cells are folded several times, and cover some points repeatedly.
       if (!places[k].inside) {
         ++missed;
         continue;
@@ -210,200 +167,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     }
   }
   EXPECT_GT(kept, 1000u);
-  EXPECT_LT(missed, 20u);  // of more than twenty thousand places
-}
-
-TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
-  for (const auto& [name, data] : {std::pair{"overlapping", three_overlapping_blocks(6, linear_function)},
-                                   std::pair{"amr", two_level_amr(8, linear_function)},
-                                   std::pair{"amr, not blanked", two_level_amr(8, linear_function, false)},
-                                   std::pair{"abutting", abutting_blocks(5, 7, linear_function)}})
-    for (const Association a : {Association::points, Association::cells}) {
-      SCOPED_TRACE(name);
-      GridData other = data;
-      std::reverse(other.blocks.begin(), other.blocks.end());
-      const auto one = volume_of(data, a), two = volume_of(other, a);
-      EXPECT_TRUE(same_but_for_blocks(*one, *two));
-      ASSERT_EQ(one->block.size(), one->size());
-      for (std::size_t i = 0; i < one->size(); ++i)
-        ASSERT_EQ(one->block[i] + two->block[i] + 1u, data.blocks.size()) << i;
-    }
-}
-
-TEST(AssembleVolume, SameOnAnyNumberOfThreads) {
-  compare_threads([] { return volume_of(three_overlapping_blocks(8, linear_function)); },
-                  [](const auto& a, const auto& b) { EXPECT_TRUE(same_but_for_blocks(*a, *b)); });
-}
-
-TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
-  for (const bool blanked : {true, false}) {
-    const auto volume = volume_of(two_level_amr(8, linear_function, blanked), Association::cells);
-    EXPECT_EQ(volume->size(), 512u - 64 + 512);
-    EXPECT_EQ(volume->cells.size(), volume->size());
-    EXPECT_EQ(volume->facts.hidden, 64u);
-    EXPECT_EQ(volume->facts.grid, "AMR, 2 levels");
-    EXPECT_EQ(volume->facts.parts, 1u);
-    EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-12);
-    EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-6);
-    // A coarse cell at the side of the fine block has four neighbours there and five others.
-    std::size_t coarse_links = 0;
-    for (std::size_t i = 0; i < volume->size(); ++i)
-      for (const std::uint32_t j : volume->stars[i]) coarse_links += volume->level[i] == 0 && volume->level[j] == 1;
-    EXPECT_EQ(coarse_links, 6 * 64u);
-  }
-}
-
-// Ghosts of another process, or blanked: the coarse cells below are all that there is.
-TEST(AssembleVolume, HiddenFineCellsCoverNothing) {
-  const auto hide = [](GridData& data, std::size_t planes) {
-    data.blocks[1].hidden_cells.assign(512, 0);
-    for (std::size_t c = 0; c < 512; ++c) data.blocks[1].hidden_cells[c] = c % 8 < planes;
-  };
-  GridData data = two_level_amr(8, linear_function, false);
-  hide(data, 2);  // as thick as one coarse cell
-  const auto even = volume_of(data, Association::cells);
-  EXPECT_EQ(even->size(), 512u - 48 + 384);
-  EXPECT_NEAR(volume_of_cells(*even), 1, 1e-12);
-
-  hide(data, 1);  // half a coarse cell: these stay, and overlap
-  EXPECT_EQ(volume_of(data, Association::cells)->size(), 512u - 48 + 448);
-  EXPECT_NEAR(volume_by_chance(*volume_of(data, Association::cells)), 1, 1e-12);
-
-  data.blocks[1].hidden_cells.clear();
-  data.blocks[1].hidden_points.assign(729, 0);
-  data.blocks[1].hidden_points[0] = 1;  // takes one cell along
-  const auto points = volume_of(data, Association::cells);
-  EXPECT_EQ(points->size(), 512u - 63 + 511);
-  EXPECT_NEAR(volume_by_chance(*points), 1, 1e-12);
-}
-
-TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
-  for (const Association a : {Association::points, Association::cells}) {
-    const GridData data = three_overlapping_blocks(8, linear_function);
-    const auto volume = volume_of(data, a);
-    EXPECT_GT(volume->facts.overlapped, 0u);
-    EXPECT_EQ(volume->facts.parts, 1u);
-    EXPECT_EQ(volume->facts.grid, "3 overlapping curvilinear blocks");
-    const VolumeLocator locator(*volume);
-    std::array<std::size_t, 3> held{};
-    for (std::size_t b = 0; b < 3; ++b) {
-      GridData single;
-      single.blocks = {data.blocks[b]};
-      const auto x = places_within(*volume_of(single, a), 2000);
-      std::vector<VolumePlace> places(x.size());
-      locator.locate(x, places);
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        ASSERT_TRUE(places[i].inside) << "block " << b << ", point " << i;
-        const std::uint32_t sample =
-            a == Association::cells ? volume->cell_sample[places[i].cell] : places[i].corners[0];
-        held[b] += volume->block[sample] == b;
-      }
-    }
-    EXPECT_EQ(held[2], 2000u);  // the finest one wherever it is
-    EXPECT_LT(held[0], 2000u);
-  }
-}
-
-TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
-  for (const Association a : {Association::points, Association::cells}) {
-    const auto volume = volume_of(abutting_blocks(5, 7, linear_function), a);
-    EXPECT_EQ(volume->facts.parts, 1u);
-    for (std::size_t i = 0; i < volume->size(); ++i) {
-      if (std::abs(volume->positions[i].x - 1) > (a == Association::cells ? 0.13 : 1e-9)) continue;
-      bool reaches = false;
-      for (const std::uint32_t j : volume->stars[i]) reaches = reaches || volume->block[j] != volume->block[i];
-      EXPECT_TRUE(reaches) << i;
-    }
-  }
-}
-
-TEST(AssembleVolume, CellsThatTwoBlocksHaveCountOnce) {
-  // A layer of each block repeated in the other, as the pieces of parallel programs have it; and a block twice.
-  const auto box = [](double from, double to, std::size_t n) {
-    GridBlock block =
-        curvilinear_block(lattice_block({n, 4, 4}, {from, 0, 0}, {to, 1, 1}), [](const Vec3& x) { return x; });
-    set_function(block, linear_function);
-    return block;
-  };
-  GridData data;
-  data.blocks = {box(0, 1.25, 6), box(0.75, 2, 6), box(0.75, 2, 6)};
-  for (const Association a : {Association::points, Association::cells}) {
-    const auto volume = volume_of(data, a);
-    EXPECT_EQ(volume->cells.size(), 8 * 9u);
-    EXPECT_EQ(volume->size(), a == Association::cells ? 8 * 9u : 9 * 16u);
-    EXPECT_NEAR(volume_of_cells(*volume), 2, 1e-12);
-  }
-}
-
-TEST(AssembleVolume, ConformingBlocksAreOne) {
-  const auto volume = volume_of(abutting_blocks(5, 5, linear_function));
-  EXPECT_EQ(volume->size(), 9 * 25u);
-  EXPECT_EQ(volume->facts.merged, 25u);
-  EXPECT_EQ(volume->facts.overlapped, 0u);
-}
-
-template <class T>
-void set_rounded(GridBlock& block, const std::string& name, std::size_t components = 1) {
-  std::vector<T> values;
-  for (std::size_t i = 0; i < components * block_point_count(block); ++i)
-    values.push_back(static_cast<T>(40 + 10 * block_point(block, i / components).x));
-  block.point_arrays.set(name, std::move(values), components);
-}
-
-// Two blocks of 125 points each, that share 25.
-TEST(AssembleVolume, ArraysOfSeveralTypesKeepTheirNumbers) {
-  GridData data = abutting_blocks(5, 5, linear_function);
-  GridBlock &left = data.blocks[0], &right = data.blocks[1];
-  set_rounded<float>(left, "reals"), set_rounded<double>(right, "reals");
-  set_rounded<std::int32_t>(left, "mixed"), set_rounded<float>(right, "mixed");
-  set_rounded<std::uint8_t>(left, "short"), set_rounded<float>(right, "short");
-  set_rounded<std::int32_t>(left, "integers"), set_rounded<std::int64_t>(right, "integers");
-  set_rounded<std::int16_t>(left, "alike"), set_rounded<std::int16_t>(right, "alike");
-  for (int order = 0; order < 2; ++order) {
-    const auto volume = volume_of(data);
-    ASSERT_EQ(volume->size(), 225u);
-    const std::pair<std::string, NumberType> all[] = {{"reals", NumberType::f64},
-                                                      {"mixed", NumberType::f64},
-                                                      {"short", NumberType::f32},
-                                                      {"integers", NumberType::i64},
-                                                      {"alike", NumberType::i16}};
-    for (const auto& [name, type] : all) {
-      SCOPED_TRACE(name);
-      const Attribute& array = *volume->attributes.find(name);
-      EXPECT_EQ(array.type(), type);
-      for (std::size_t i = 0; i < 225; ++i) ASSERT_NEAR(array.number(i), 40 + 10 * volume->positions[i].x, 0.51) << i;
-    }
-    std::swap(data.blocks[0], data.blocks[1]);
-  }
-}
-
-TEST(AssembleVolume, WhatABlockHasNotIsUnknownThere) {
-  GridData data = abutting_blocks(5, 5, linear_function);
-  set_rounded<std::int32_t>(data.blocks[0], "integers"), set_rounded<float>(data.blocks[0], "reals");
-  // The array of the block with more points counts.
-  data.blocks.push_back(
-      curvilinear_block(lattice_block({6, 5, 5}, {2, 0, 0}, {3, 1, 1}), [](const Vec3& x) { return x; }));
-  set_function(data.blocks[2], linear_function);
-  set_rounded<double>(data.blocks[1], "wide", 3), set_rounded<double>(data.blocks[2], "wide", 2);
-  for (int order = 0; order < 2; ++order) {
-    const auto volume = volume_of(data);
-    const Attribute& wide = *volume->attributes.find("wide");
-    EXPECT_EQ(wide.components, 2u);
-    for (const std::string name : {"integers", "reals"}) {
-      const Attribute& array = *volume->attributes.find(name);
-      EXPECT_TRUE(is_real(array.type()));
-      for (std::size_t i = 0; i < volume->size(); ++i) {
-        // Where blocks meet, what the one knows counts.
-        const double x = volume->positions[i].x;
-        if (x < 1 + 1e-9)
-          ASSERT_NEAR(array.number(i), 40 + 10 * x, 1) << i;
-        else
-          ASSERT_TRUE(std::isnan(array.number(i))) << i;
-        ASSERT_EQ(std::isnan(wide.number(2 * i)), x < 2 - 1e-9) << i;
-      }
-    }
-    std::swap(data.blocks[0], data.blocks[2]);
-  }
+  EXPECT_LT(missed, 20u);  // more than 20000 points in all
 }
 
 TEST(AssembleVolume, SingleLayersBecomeSlabs) {
@@ -430,8 +194,8 @@ TEST(AssembleVolume, SingleLayersBecomeSlabs) {
 }
 
 TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
-  // Side by side with common points; the second is wound the other way and stretched, the third made of triangles and
-  // squares wound either way.
+  // Three sheets with common points; the second is reversed and stretched, the third consists of triangles and squares
+  // of both orientations.
   GridData data;
   data.blocks.push_back(curvilinear_block(lattice_block({5, 5, 1}), [](const Vec3& x) { return x; }));
   data.blocks.push_back(curvilinear_block(lattice_block({9, 5, 1}), [](const Vec3& x) {
@@ -465,14 +229,14 @@ TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
     EXPECT_EQ(volume->facts.degenerate, 0u);
     EXPECT_EQ(volume->facts.merged, 20u);  // two borders of five points on two sides
     EXPECT_NEAR(volume_of_cells(*volume), 3 * layer, 1e-12);
-    EXPECT_NEAR(enclosed(volume_boundary(*volume)), 3 * layer, 1e-6);
+    EXPECT_NEAR(measure_size(volume_boundary(*volume)).volume, 3 * layer, 1e-6);
     for (const Vec3& p : volume->positions) EXPECT_NEAR(std::abs(p.z), layer / 2, 1e-12);
     std::rotate(data.blocks.begin(), data.blocks.begin() + 1, data.blocks.end());
   }
 }
 
-TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
-  // A closed sheet, whose cells are wound at random, gets a shell of even thickness.
+TEST(AssembleVolume, SheetsHaveConsistentSides) {
+  // A closed sheet with random orientation of cells becomes a shell of even thickness.
   const GridBlock ring =
       curvilinear_block(lattice_block({25, 9, 1}, {0, 0, 0}, {2 * std::numbers::pi, 1, 0}), [](const Vec3& x) {
         return Vec3{std::cos(x.x), std::sin(x.x), x.y};
@@ -495,11 +259,11 @@ TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
   EXPECT_EQ(volume->size(), 2u * 24 * 9);
   const double half = volume->facts.layer / 2;
   for (const Vec3& p : volume->positions) EXPECT_NEAR(std::abs(std::hypot(p.x, p.y) - 1), half, 1e-9);
-  const double area = 24 * 2 * std::sin(std::numbers::pi / 24);  // of the polygon's circumference times 1
+  const double area = 24 * 2 * std::sin(std::numbers::pi / 24);  // circumference of the polygon times 1
   EXPECT_NEAR(volume_of_cells(*volume), area * std::cos(std::numbers::pi / 24) * 2 * half, 1e-9);
 }
 
-TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
+TEST(AssembleVolume, HiddenAndNonFinitePointsRemoveTheirCells) {
   GridData data = bent_grid({5, 5, 5}, linear_function);
   data.blocks[0].hidden_points.assign(125, 0);
   data.blocks[0].hidden_points[62] = 1;
@@ -514,10 +278,10 @@ TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
   lattice.blocks[0].hidden_cells[13] = 1;
   const auto hollow = volume_of(lattice, Association::cells);
   EXPECT_EQ(hollow->size(), 26u);
-  EXPECT_NEAR(enclosed(volume_boundary(*hollow)), 26.0 / 27, 1e-6);
+  EXPECT_NEAR(measure_size(volume_boundary(*hollow)).volume, 26.0 / 27, 1e-6);
 }
 
-TEST(AssembleVolume, PartsAreTold) {
+TEST(AssembleVolume, PartsAreNumbered) {
   GridData data = lattice_grid({3, 3, 3}, linear_function);
   GridBlock far = lattice_block({3, 3, 3}, {5, 5, 5}, {6, 6, 6});
   set_function(far, linear_function);
@@ -533,8 +297,8 @@ TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
   EXPECT_TRUE(volume->scattered);
   EXPECT_EQ(volume->size(), 3000u);
   EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-9);
-  EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-5);
-  // No sample lies within the sphere of a cell: it would be nearer to the centre than the corners are.
+  EXPECT_NEAR(measure_size(volume_boundary(*volume)).volume, 1, 1e-5);
+  // No sample is inside the circumsphere of a cell: it would be nearer to the centre than the corners.
   for (std::size_t c = 0; c < volume->cells.size(); c += 97) {
     const auto corners = volume->cells[c];
     const Vec3 o = volume->positions[corners[0]];
@@ -550,12 +314,12 @@ TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
   }
 }
 
-TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
+TEST(AssembleVolume, OrderOfScatteredPointsHasNoEffect) {
   GridData data = scattered_grid(500, linear_function), other = data;
   std::reverse(other.blocks[0].points.begin(), other.blocks[0].points.end());
   set_function(other.blocks[0], linear_function);
   EXPECT_TRUE(same_but_for_blocks(*volume_of(data), *volume_of(other)));
-  // The same points twice are the same samples.
+  // Duplicate points give the same samples.
   GridData twice = data;
   twice.blocks[0].points.insert(twice.blocks[0].points.end(), data.blocks[0].points.begin(),
                                 data.blocks[0].points.end());
@@ -566,7 +330,7 @@ TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
   EXPECT_EQ(one->cells.corners, two->cells.corners);
 }
 
-TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
+TEST(AssembleVolume, BadDataGiveOneLineErrors) {
   Progress progress;
   const auto refused = [&](const GridData& data, Association a = Association::points) {
     try {
@@ -603,7 +367,7 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   GridData bare = bent_grid({3, 3, 3}, linear_function);
   bare.blocks[0].point_arrays.clear();
   EXPECT_TRUE(refused(bare));
-  bare.blocks[0].cell_arrays.clear();  // a grid alone can be looked at
+  bare.blocks[0].cell_arrays.clear();  // a grid without arrays is valid
   EXPECT_EQ(assemble_volume(bare, Association::points, progress).size(), 27u);
   GridData few = scattered_grid(8, linear_function);
   few.blocks[0].points.resize(3);
@@ -616,7 +380,7 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   EXPECT_TRUE(refused(plane, Association::cells));
 }
 
-TEST(AssembleVolume, LengthsThatAreNothingBesideTheExtentAreNone) {
+TEST(AssembleVolume, NegligibleLengthsBecomeZero) {
   GridData data = bent_grid({3, 3, 3}, linear_function);
   for (std::size_t p = 0; p < 9; ++p) data.blocks[0].points[p].x = 1e-310 * static_cast<double>(p);
   Progress progress;

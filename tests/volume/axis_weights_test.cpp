@@ -86,7 +86,7 @@ TEST(CubicAxis, ReproducesStraightLinesOnTheLineOfMitchellAndNetravali) {
   expect_reproduced(CubicAxis(kEven, true, 0.7, 0.9), kEven, 0, -0.25, 4.75);
 }
 
-// METHODS §6.3, for |t| < 2 steps.
+// The BC kernel of mitchell1988 for |t| < 2 steps.
 double bc_kernel(double b, double c, double t) {
   t = std::abs(t);
   if (t < 1) return ((12 - 9 * b - 6 * c) * t * t * t + (-18 + 12 * b + 6 * c) * t * t + 6 - 2 * b) / 6;
@@ -122,7 +122,7 @@ TEST(CubicAxis, IsSmoothAndItsSlopesAreDerivatives) {
   expect_interpolates(CubicAxis(kUneven, false, 0, 0.5), kUneven);
 }
 
-TEST(CubicAxis, NeedsTwoKnotsOnly) {
+TEST(CubicAxis, WorksWithTwoKnots) {
   expect_reproduced(CubicAxis(std::vector<double>{0, 2}, true, 0, 0.5), {0, 2}, 1, 0, 2);
   expect_reproduced(CubicAxis(std::vector<double>{0, 2, 3}, false, 0, 0.5), {0, 2, 3}, 2, 0, 3);
   expect_reproduced(CubicAxis(std::vector<double>{0, 2, 3, 7}, false, 0, 0.5), {0, 2, 3, 7}, 2, 0, 7);
@@ -141,7 +141,7 @@ TEST(SincAxis, InterpolatesAndSumsToOne) {
 }
 
 TEST(SincAxis, FollowsWavesAboveTwoSamplesALength) {
-  // Of waves of five samples a length linear interpolation leaves an eighth.
+  // For waves of five samples linear interpolation has an error of an eighth.
   std::vector<double> knots, f;
   for (int i = 0; i < 40; ++i) knots.push_back(i), f.push_back(std::sin(2 * 3.14159265358979 / 5 * i));
   const SincAxis axis(knots);

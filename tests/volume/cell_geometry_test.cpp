@@ -16,7 +16,7 @@ namespace {
 
 constexpr CellShape kShapes[] = {CellShape::tetrahedron, CellShape::pyramid, CellShape::wedge, CellShape::hexahedron};
 
-/// A cell of each shape, its corners moved at random, far thinner along z than long.
+/// A cell of each shape with randomly moved corners, much thinner along z than long.
 std::vector<Vec3> some_cell(CellShape shape, std::mt19937& random, double thin) {
   static const std::vector<Vec3> kCells[] = {
       {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
@@ -59,13 +59,13 @@ TEST(CellGeometry, InvertsItsShapeFunctions) {
         EXPECT_LT(norm(found - u), 1e-7);
         EXPECT_TRUE(parameters_within(shape, found, 1e-3));
         EXPECT_LT(norm(parameters_of(shape, weights) - u), 1e-12);
-        // The slow way finds the same place.
+        // The slow method finds the same point.
         EXPECT_LT(std::sqrt(nearest_in_cell(shape, relative, nearest)), 1e-6 * thin);
         EXPECT_LT(norm(parameters_of(shape, nearest) - u), 1e-4);
       }
 }
 
-TEST(CellGeometry, NoPlaceOfACellIsNearerThanTheNearest) {
+TEST(CellGeometry, NearestPointIsTheNearest) {
   std::mt19937 random(2);
   for (const CellShape shape : kShapes)
     for (int i = 0; i < 30; ++i) {
@@ -88,7 +88,7 @@ TEST(CellGeometry, NoPlaceOfACellIsNearerThanTheNearest) {
     }
 }
 
-TEST(CellGeometry, WhatIsRuledOutIsOutOfReach) {
+TEST(CellGeometry, RejectedPointsAreOutOfReach) {
   std::mt19937 random(4);
   const auto uniform = [&] { return 2.4 * static_cast<double>(random()) / 4294967296.0 - 0.6; };
   for (const CellShape shape : kShapes)
@@ -112,7 +112,7 @@ TEST(CellGeometry, WhatIsRuledOutIsOutOfReach) {
 }
 
 TEST(CellGeometry, VolumeIsThatOfTheMap) {
-  // The integral of the Jacobian, which is a polynomial of degree two in each parameter: Gauss of three points.
+  // The integral of the Jacobian, a polynomial of degree two in each parameter, by three-point Gauss quadrature.
   constexpr double kAt[] = {0.1127016653792583, 0.5, 0.8872983346207417}, kWeight[] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
   std::mt19937 random(3);
   for (int i = 0; i < 50; ++i) {

@@ -33,11 +33,11 @@ ReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
   return choose_reconstruction(volume, measure_volume_traits(volume, volume_values(volume, "f"), progress));
 }
 
-TEST(ChooseReconstruction, SmoothLatticesTakePolynomialsEdgesAndNoiseACubic) {
+TEST(ChooseReconstruction, SmoothLatticesGetPolynomialsEdgesAndNoiseCubics) {
   const ReconstructionChoice smooth =
       chosen_for([](const Vec3& x) { return std::sin(4 * x.x) * std::cos(3 * x.y) + x.z; });
   EXPECT_EQ(smooth.method, "mls-detail") << smooth.why;
-  // Smooth nearly everywhere, but for the surface of a ball.
+  // Smooth except at the surface of a ball.
   const ReconstructionChoice edges = chosen_for([](const Vec3& x) {
     return std::sin(4 * x.x) * std::cos(3 * x.y) + (norm(x - Vec3{0.5, 0.5, 0.5}) < 0.3 ? 5 : 0);
   });

@@ -1,4 +1,4 @@
-// What holds for all reconstructions that answer from the samples around a point, and what each of them promises.
+// Common properties of point-wise reconstructions, and the guarantees of each method.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@
 namespace sansmesh::test {
 namespace {
 
-using Method = std::string;  // its name
+using Method = std::string;  // name of a method
 
 const Method kOnAllGrids[] = {"shepard", "sibson", "mean-value", "rbf", "bernstein"};
 const Method kOnLattices[] = {"cubic", "lagrange"};
@@ -26,7 +26,7 @@ bool suits(const Method& method, const SampledVolume& volume) {
   return true;
 }
 
-/// Calls visit(volume, field, name) for each grid and each method that suits it.
+/// Calls visit(volume, field, name) for each grid and each method that supports it.
 template <class Visit>
 void for_each_field(const VolumeFunction& f, std::span<const Method> methods, const Visit& visit) {
   for (const NamedGrid& grid : all_grids(f)) {
@@ -77,7 +77,7 @@ TEST(ClassicFields, ReproduceStraightFunctions) {
                  });
 }
 
-// Natural neighbours do so within the convex hull of the samples, away from its surface to the last digits.
+// Natural neighbours reproduce them inside the convex hull of the samples, except for rounding near its surface.
 TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
   for (const GridData& data : {lattice_grid({6, 5, 7}, linear_function), stretched_grid({7, 6, 5}, linear_function),
                                tetrahedra_grid({5, 4, 6}, linear_function), scattered_grid(300, linear_function)}) {
@@ -101,7 +101,8 @@ TEST(ClassicFields, InterpolateTheirSamples) {
   for_each_field(smooth, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
                    const bool at_corners = method == "mean-value" || method == "bernstein";
-                   // Means of those around; and of samples on the faces of coarser cells these cells do not know.
+                   // Means of nearby values; cells with corners do not include the samples on the faces of coarser
+                   // cells.
                    if (at_corners && (!volume.cell_sample.empty() || volume.facts.blocks > 1)) return;
                    std::vector<Vec3> x;
                    std::vector<double> f;
@@ -118,7 +119,7 @@ TEST(ClassicFields, InterpolateTheirSamples) {
                  });
 }
 
-TEST(ClassicFields, GradientsAreThoseOfTheValues) {
+TEST(ClassicFields, GradientsAreDerivativesOfTheValues) {
   for_each_field(smooth, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
                    const auto x = places_within(volume, 40);
@@ -141,7 +142,7 @@ TEST(ClassicFields, GradientsAreThoseOfTheValues) {
                        difference[k] = (around[6 * i + 2 * k + 1] - around[6 * i + 2 * k]) / (2 * h);
                      if (!(norm(gradients[i] - difference) < 1e-3 * (1 + norm(difference)))) ++wrong;
                    }
-                   // Of those that are no more than continuous a point may lie within h of a kink.
+                   // Fields that are only continuous may have a kink within h of a point.
                    const bool kinks = method == "mean-value" || method == "bernstein" || method == "lagrange";
                    EXPECT_LE(wrong, kinks || volume.in_cells ? 1u : 0u);
                  });
@@ -175,7 +176,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
   }
 }
 
-TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
+TEST(ClassicFields, AreFiniteEverywhereAndContinueALittle) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const std::vector<Vec3> x{{nan, 0, 0}, {0, infinite, 0}, {1e300, -1e300, 1e300}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for_each_field(smooth, all_of_them(), [&](const SampledVolume& volume, const VolumeField& field, const Method&) {
@@ -192,7 +193,7 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
     }
     EXPECT_EQ(values[0], 0);
     EXPECT_EQ(values[1], 0);
-    // All corners and samples, where local systems and cells degenerate; under sanitizers some of both.
+    // All corners and samples, where local systems and cells degenerate; under sanitizers a subset.
     const std::size_t every = test::kAddressSanitizer ? 7 : 1;
     std::vector<Vec3> places;
     for (std::size_t c = 0; c < volume.corners.size(); c += every) places.push_back(volume.corners[c]);
@@ -204,8 +205,8 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
   });
 }
 
-// Around the volume, near it and far away.
-TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
+// Points around the volume, near it and far away.
+TEST(ClassicFields, AnswersDoNotDependOnTheRequest) {
   std::vector<Method> all = all_of_them();
   all.insert(all.end(), {"nearest", "linear", "mls", "mls-detail", "amls"});
   for (const GridData& data : {lattice_grid({6, 5, 7}, smooth), bent_grid({5, 5, 5}, smooth)})
@@ -266,7 +267,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
   }
 }
 
-TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
+TEST(ClassicFields, ComponentsAreIndependent) {
   for (GridData data :
        {stretched_grid({6, 5, 5}, smooth), bent_grid({5, 4, 5}, smooth), lattice_grid({6, 5, 5}, smooth)}) {
     GridBlock& block = data.blocks[0];
@@ -299,7 +300,7 @@ TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
   }
 }
 
-// Up to the surface, beyond the outermost samples: nothing there is worse than twice what linear interpolation does.
+// At the surface, beyond the outermost samples, errors are at most twice those of linear interpolation.
 TEST(ClassicFields, SamplesInCellsReachTheSurface) {
   for (const GridData& data :
        {lattice_grid({8, 8, 8}, smooth), bent_grid({8, 8, 8}, smooth), two_level_amr(8, smooth)}) {
@@ -318,7 +319,7 @@ TEST(ClassicFields, SamplesInCellsReachTheSurface) {
   }
 }
 
-// The error falls at least by these factors where samples are twice as dense: 2^order, less what is not yet asymptotic.
+// Halving the spacing reduces errors at least by these factors: 2^order, less for errors not yet asymptotic.
 TEST(ClassicFields, ErrorsFallAtTheirOrder) {
   const std::pair<Method, double> factors[] = {{"shepard", 1.7}, {"sibson", 2.8}, {"mean-value", 3.3}, {"cubic", 6.5},
                                                {"lagrange", 11}, {"rbf", 3.5},    {"bernstein", 6.5}};
@@ -344,7 +345,7 @@ TEST(ClassicFields, ErrorsFallAtTheirOrder) {
   }
 }
 
-// Weights are relative to the steps: what is stretched along an axis is reconstructed alike.
+// Weights are relative to the steps: stretching along an axis does not change the reconstruction.
 TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
   for (const Method& method : {"shepard", "rbf", "mean-value", "bernstein"}) {
     SCOPED_TRACE(method);
@@ -358,12 +359,12 @@ TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
     std::vector<double> a(x.size()), b(x.size());
     field_of(plain, method)->evaluate(x, {a});
     field_of(flat, method)->evaluate(y, {b});
-    // Shapes by the star's moments keep their form under stretching; mean values in tetrahedra are linear.
+    // Metrics from the star's moments are invariant under stretching; mean values in tetrahedra are linear.
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(a[i], b[i], 2e-3) << i;
   }
 }
 
-TEST(ClassicFields, NameTheGridsAndRangesThatTheyNeed) {
+TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
   Progress progress;
   const auto bent = volume_of(bent_grid({4, 4, 4}, smooth)), lattice = volume_of(lattice_grid({4, 4, 4}, smooth)),
              stretched = volume_of(stretched_grid({4, 4, 4}, smooth));

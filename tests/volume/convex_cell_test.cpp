@@ -38,7 +38,7 @@ TEST(ConvexCell, IsCutAndVanishes) {
   EXPECT_EQ(cell.volume(), 0);
 }
 
-// What planes cut off and what they leave make up the whole, cut after cut; closed surfaces have no area as vectors.
+// The parts on both sides of each cut add up to the whole; the vector area of a closed surface is zero.
 TEST(ConvexCell, PartsMakeUpTheWhole) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -58,8 +58,8 @@ TEST(ConvexCell, PartsMakeUpTheWhole) {
   }
 }
 
-// Planes through corners and along edges and faces: nothing is lost.
-TEST(ConvexCell, BearsPlanesThroughItsCorners) {
+// Planes through corners, edges and faces lose no volume.
+TEST(ConvexCell, AllowsPlanesThroughItsCorners) {
   ConvexCell cell;
   cell.assign_box({0, 0, 0}, {1, 1, 1});
   cell.cut({1, -1, 0}, 0, 1);

@@ -26,7 +26,7 @@ TEST(LinearField, ReproducesLinearFunctionsOnEveryGrid) {
   }
 }
 
-TEST(LinearField, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
+TEST(LinearField, IsFiniteEverywhereAndZeroAtNonFinitePoints) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
   const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for (const NamedGrid& grid : all_grids(linear_function))
@@ -49,7 +49,7 @@ TEST(LinearField, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
 }
 
 TEST(LinearField, IsContinuousAcrossPlaneFaces) {
-  // Rough values: what is not continuous shows.
+  // Rough values reveal discontinuities.
   const auto rough = [](const Vec3& x) { return std::sin(1e4 * x.x) + std::cos(3e4 * x.y) * std::sin(2e4 * x.z); };
   for (const auto& [name, data] :
        {std::pair{"tetrahedra", tetrahedra_grid({5, 5, 5}, rough)}, std::pair{"mixed", mixed_grid({7, 4, 4}, rough)}})
@@ -123,7 +123,7 @@ TEST(NearestField, AnswersTheNearestSample) {
   }
 }
 
-TEST(Reconstruction, NamesWhatIsWrong) {
+TEST(Reconstruction, ErrorsNameTheCause) {
   const auto volume = volume_of(lattice_grid({3, 3, 3}, linear_function));
   Progress progress;
   EXPECT_THROW(volume_method("cubist"), ArgumentError);

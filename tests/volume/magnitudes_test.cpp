@@ -1,4 +1,4 @@
-// Values of any magnitude: fields are those of moderate values, times the factor.
+// Scaling the values by any factor scales the fields.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -29,7 +29,7 @@ std::vector<double> answers(const GridData& data, const std::string& method, boo
   return values;
 }
 
-TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
+TEST(Magnitudes, OfValuesOnlyScaleTheField) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     const bool anywhere = info->grids == "all";
     const std::vector<double> expected =
@@ -49,7 +49,7 @@ TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
   }
 }
 
-/// A field of vectors whose components are of different size, with noise, times a factor.
+/// A noisy vector field with components of different size, times a factor.
 GridData vectors_times(double factor, double last = 1) {
   GridData data = lattice_grid({6, 5, 7}, wave_of_magnitude);
   std::vector<double> values;
@@ -71,7 +71,7 @@ std::vector<double> vector_answers(const GridData& data, const std::string& meth
   return values;
 }
 
-TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
+TEST(Magnitudes, OfVectorsOnlyScaleTheField) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     const std::vector<double> expected = vector_answers(vectors_times(1), std::string(info->name));
     for (const double factor : {0x1p46, 0x1p-60}) {
@@ -82,8 +82,8 @@ TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
   }
 }
 
-/// What flow solvers leave in a direction in which nothing flows.
-TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
+/// Flow solvers leave such values in a direction without flow.
+TEST(Magnitudes, OfOneComponentMayBeNegligible) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     SCOPED_TRACE(info->name);
     const std::vector<double> expected = vector_answers(vectors_times(1, 0), std::string(info->name));
@@ -92,8 +92,8 @@ TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
   }
 }
 
-/// Whether data that fall off to nothing are taken does not depend on their unit.
-TEST(Magnitudes, OfPeaksDecideNothing) {
+/// Decay to zero is accepted or rejected independently of the unit.
+TEST(Magnitudes, OfPeaksHaveNoEffect) {
   for (const double sharpness : {1 / 1.3, 1 / 0.3}) {
     const auto peak = [&](double factor) {
       return lattice_grid({12, 12, 12}, [=](const Vec3& x) {
@@ -109,7 +109,7 @@ TEST(Magnitudes, OfPeaksDecideNothing) {
   }
 }
 
-TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
+TEST(Magnitudes, OfTraitsOnlyScaleTheRange) {
   const auto traits_of = [](double factor) {
     const auto volume =
         volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
@@ -122,7 +122,7 @@ TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
   EXPECT_EQ(huge.noise, moderate.noise);
 }
 
-TEST(Magnitudes, WithoutARightAnswerAreErrors) {
+TEST(Magnitudes, OutOfRangeAreErrors) {
   Progress progress;
   const auto error_of = [&](const VolumeFunction& f, const std::string& method) -> std::string {
     try {
@@ -138,7 +138,7 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
   EXPECT_NE(error_of([](const Vec3& x) { return 1e308 * x.x; }, linear).find("too large"), std::string::npos);
   EXPECT_NE(error_of([](const Vec3& x) { return 1e-310 * x.x; }, linear).find("too small"), std::string::npos);
   EXPECT_NE(error_of([](const Vec3&) { return std::nan(""); }, linear).find("no finite value"), std::string::npos);
-  // A single number beside which all others vanish.
+  // A single number that dwarfs all others.
   const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave_of_magnitude(x); };
   EXPECT_NE(error_of(spike, detail).find("values of up to 1e+60 stand so far apart"), std::string::npos);
   EXPECT_NE(error_of(spike, detail).find("`fill_value`"), std::string::npos);
@@ -146,10 +146,10 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
 }
 
 TEST(Magnitudes, LengthsOfVectorsAreRight) {
-  EXPECT_EQ(long_norm({3, 4, 0}), 5);
-  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p900), 5 * 0x1p900);
-  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p-900), 5 * 0x1p-900);
-  EXPECT_EQ(long_norm({0, 0, 0}), 0);
+  EXPECT_EQ(safe_norm({3, 4, 0}), 5);
+  EXPECT_EQ(safe_norm(Vec3{3, 4, 0} * 0x1p900), 5 * 0x1p900);
+  EXPECT_EQ(safe_norm(Vec3{3, 4, 0} * 0x1p-900), 5 * 0x1p-900);
+  EXPECT_EQ(safe_norm({0, 0, 0}), 0);
   EXPECT_EQ(vector_length(std::vector<double>{3e300, 4e300}), vector_length(std::vector<double>{4e300, 3e300}));
   EXPECT_NEAR(vector_length(std::vector<double>{3e300, 4e300}), 5e300, 1e286);
   EXPECT_EQ(vector_length(std::vector<double>{0, 0}), 0);

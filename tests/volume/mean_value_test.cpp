@@ -29,7 +29,7 @@ Polyhedron warped_hexahedron() {
       CellShape::hexahedron,
       {{0, 0, 0}, {1, 0.1, 0}, {1.2, 1, -0.1}, {0, 0.9, 0.2}, {0.1, 0, 1}, {1, 0, 1.1}, {0.9, 1.1, 0.8}, {-0.1, 1, 1}});
 }
-/// A hexahedron with one corner pushed in: not convex.
+/// A non-convex hexahedron with one corner pushed in.
 Polyhedron dented_hexahedron() {
   return cell(CellShape::hexahedron,
               {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0.65, 0.65, 0.65}, {0, 1, 1}});
@@ -57,7 +57,7 @@ TEST(MeanValue, ReproducesStraightFunctionsWithTheirGradients) {
     std::vector<double> w(p.corners.size());
     std::vector<Vec3> slopes(p.corners.size());
     for (int trial = 0; trial < 200; ++trial) {
-      const Vec3 x{part(random), part(random) / 2, part(random) / 2};  // in all of them
+      const Vec3 x{part(random), part(random) / 2, part(random) / 2};  // inside all of them
       mean_value_weights(p.corners, p.triangles, x, w, slopes);
       double sum = 0;
       Vec3 place, zero, gradient;

@@ -78,7 +78,7 @@ TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
 TEST(MlsDetail, IsNeverWorseThanLinearAndOnAverageMuchBetter) {
   for (const NamedGrid& grid : all_grids(wave)) {
     SCOPED_TRACE(grid.name);
-    if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
+    if (grid.name.ends_with("cells")) continue;  // cell values are means there, not function values
     const auto volume = volume_of(grid.data, grid.association);
     const auto x = places_within(*volume, 5000);
     const Errors linear = errors_of(*field_of(volume, "linear"), x, wave);
@@ -89,7 +89,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearAndOnAverageMuchBetter) {
 }
 
 TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
-  // Layers that double, three radians from one to the next at the end: nothing but much finer layers tells of the last.
+  // Layers that double in size, the last step three radians long: only much finer layers determine the last one.
   for (unsigned seed = 1; seed <= 4; ++seed) {
     std::mt19937 random(seed);
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
@@ -105,7 +105,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
 }
 
 TEST(MlsDetail, IsNeverWorseThanLinearAtFrontsThatEndInCoarseCells) {
-  // Steps grow by half each: the largest hold all of a front, and where it lies nothing tells.
+  // Steps grow by half each: the largest contain the whole front, whose position is undetermined.
   for (const double offset : {-0.1, 0.0, 0.2})
     for (const double growth : {1.4, 1.5}) {
       SCOPED_TRACE(std::to_string(offset) + ", " + std::to_string(growth));
@@ -127,12 +127,12 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
             errors_of(*field_of(volume, "linear"), x, hills).most);
 }
 
-TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
+TEST(CellAgreement, DoubtsDeviatingPolynomials) {
   const auto volume = volume_of(bent_grid({6, 6, 6}, wave));
   Progress progress;
   const VolumeValues values = volume_values(*volume, "f");
   LocalPolynomials p = fit_local_polynomials(*volume, values, {}, progress);
-  // All of them the same function: no doubt, and the correction is all that it is off linear interpolation.
+  // Equal polynomials have no doubt, and the correction is the whole difference to linear interpolation.
   std::vector<double> constants(volume->size());
   std::vector<float> coefficients(p.coefficients.size(), 0.0f);
   for (std::size_t i = 0; i < constants.size(); ++i) {
@@ -151,7 +151,7 @@ TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
   const std::size_t own = 2 + 6 * (2 + 6 * 2), beside = own + 1, far = 0;
   EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).gain, 0, 1e-12);
   EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).doubt, 0, 1e-12);
-  // One that is 1 off: an eighth is what it moves the mean of eight by. Four of the eight cells beside it have it, too.
+  // One constant is off by 1: it moves the mean of eight by an eighth, in four of the eight adjacent cells.
   constants[own] += 1;
   p.constants = constants;
   const CellAgreement off(*volume, flat, at, unsplit);
@@ -161,7 +161,7 @@ TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
   EXPECT_NEAR(off.of(far).doubt, 0, 1e-12);
 }
 
-TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
+TEST(MlsDetail, InterpolatesInConformingCells) {
   const auto volume = volume_of(bent_grid({6, 7, 5}, wave, 1.2));
   const auto field = field_of(volume, "mls-detail");
   EXPECT_LT(errors_of(*field, volume->positions, wave).most, 1e-6);
@@ -184,7 +184,7 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
   const auto check = [](const GridData& data, Association association) {
     const auto volume = volume_of(data, association);
     const auto field = field_of(volume, "mls-detail");
-    // Differences reach over faces of cells, where gradients may jump a little.
+    // Differences cross cell faces, where gradients may jump slightly.
     EXPECT_LE(wrong_gradients(*field, places_within(*volume, 300)), 6u);
   };
   check(bent_grid({6, 7, 5}, wave), Association::points);
@@ -193,7 +193,7 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
   check(two_level_amr(8, wave), Association::cells);
 }
 
-TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
+TEST(MlsDetail, StepsHaveNoSmearingOrRinging) {
   const VolumeFunction step = [](const Vec3& x) { return x.x + 0.3 * x.y < 0.52 ? 1.0 : 5.0; };
   for (const auto& [name, data] :
        {std::pair{"lattice", lattice_grid({14, 14, 14}, step)}, std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
@@ -203,7 +203,7 @@ TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
     const auto robust = detail_of(volume, true), plain = detail_of(volume, false);
     std::vector<double> values(x.size());
     robust->evaluate(x, {values});
-    for (const double v : values) {  // a four hundredth of the step
+    for (const double v : values) {  // a four-hundredth of the step
       ASSERT_GE(v, 1 - 0.01);
       ASSERT_LE(v, 5 + 0.01);
     }
@@ -243,7 +243,7 @@ TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
 
 TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same fields");
-  // A front and peaks that the outermost samples tell hardly anything of: all is extrapolated beyond them.
+  // A front and peaks that the outermost samples do not resolve: everything beyond is extrapolation.
   const VolumeFunction front = [](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y)); };
   const VolumeFunction peaks = [](const Vec3& x) {
     return 0.75 * std::exp(-20 * squared_norm(x - Vec3{0.22, 0.22, 0.22})) +
@@ -275,7 +275,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
 }
 
 TEST(MlsDetail, DoesNotReachAcrossGaps) {
-  // Two slabs a hundredth apart, of values 0 and 1, as cells: neither knows of the other.
+  // Two slabs a hundredth apart, with values 0 and 1, as cells: neither depends on the other.
   const auto slab = [](double from, double to, double value) {
     GridBlock block =
         curvilinear_block(lattice_block({6, 6, 3}, {0, 0, from}, {1, 1, to}), [](const Vec3& x) { return x; });
@@ -294,7 +294,7 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
   }
 }
 
-TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
+TEST(MlsDetail, ReportsSparseSamples) {
   const VolumeFunction rough = [](const Vec3& x) {
     const double t = std::sin(12.9898 * x.x + 78.233 * x.y + 37.719 * x.z) * 43758.5453;
     return t - std::floor(t);
@@ -310,8 +310,8 @@ TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
   EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
 }
 
-/// Coefficients are floats: what they round is neither a correction nor a doubt.
-TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
+/// Coefficients are floats: their rounding is neither a correction nor a doubt.
+TEST(MlsDetail, TrustsRoundedLinearFunctions) {
   for (const VolumeFunction& f : {VolumeFunction([](const Vec3& x) { return 1 + x.x; }),
                                   VolumeFunction([](const Vec3& x) { return 1e9 + 0.3 * x.x - 0.7 * x.y; })}) {
     const auto volume = volume_of(lattice_grid({16, 16, 16}, f));
@@ -324,7 +324,7 @@ TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
   }
 }
 
-TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
+TEST(MlsDetail, IsFiniteEverywhereAndZeroAtNonFinitePoints) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
   const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for (const NamedGrid& grid : all_grids(wave)) {

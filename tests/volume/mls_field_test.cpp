@@ -20,7 +20,7 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
   for (const NamedGrid& grid : all_grids(linear_function))
     for (const auto method : {"mls", "amls"}) {
       SCOPED_TRACE(grid.name + (method == "mls" ? ", mls" : ", amls"));
-      // At the hull of scattered samples some, in slivers, do not determine a plane: amls has a constant there.
+      // Slivers at the hull of scattered samples do not determine a plane: amls is constant there.
       const bool slivers = grid.name.starts_with("scattered");
       if (slivers && method == "amls") continue;
       const auto volume = volume_of(grid.data, grid.association);
@@ -31,14 +31,14 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
       field->evaluate(x, {values, gradients});
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_NEAR(values[i], linear_function(x[i]), 2e-5) << i;
-        // In slivers differences of the last bit are large slopes.
+        // In slivers rounding differences are large slopes.
         if (!slivers) ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 2e-3) << i;
       }
     }
 }
 
-// A quarter of a cell outside of the middles of the faces, and far away.
-TEST(MlsField, GoesOnStraightOutside) {
+// A quarter of a cell outside the face centres, and far away.
+TEST(MlsField, ContinuesLinearlyOutside) {
   const auto slanted = [](const Vec3& x) { return x + Vec3{0.2 * x.y, 0, 0.1 * x.y}; };
   const GridData bent = one_block(curvilinear_block(lattice_block({8, 8, 8}), slanted), linear_function);
   for (const GridData& data : {lattice_grid({8, 8, 8}, linear_function), bent})
@@ -77,14 +77,14 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     field->evaluate(x, {values});
     dynamic_cast<const DegreeField&>(*field).degrees(x, degrees);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      // The share that is confirmed is 1 but for rounding to float.
+      // The confirmed share is 1 up to float rounding.
       ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-7) << i;
       ASSERT_EQ(degrees[i], 2) << i;
     }
   }
 }
 
-// Straight across, of degree 2 along.
+// Linear across, of degree 2 along.
 TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
   const auto along = [](const Vec3& x) { return 0.3 + x.x * x.x - 2 * x.x * x.y + 0.5 * x.z - x.y; };
   for (const auto& layers : {std::array<std::size_t, 3>{9, 9, 2}, {2, 9, 9}, {9, 2, 9}}) {
@@ -108,7 +108,7 @@ TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
 TEST(MlsField, IsBetterThanLinearOnAverage) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others reconstruct the same grids");
   for (const NamedGrid& grid : all_grids(bump)) {
-    if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
+    if (grid.name.ends_with("cells")) continue;  // cell values are means there, not function values
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const auto x = places_within(*volume, 3000);
@@ -121,7 +121,7 @@ TEST(MlsField, IsBetterThanLinearOnAverage) {
 
 TEST(MlsField, IsNeverWorseThanLinear) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others reconstruct the same grids");
-  // Smooth, a front and a peak: of the latter the samples show hardly more than that they are there.
+  // A smooth function, a front and a peak that the samples hardly resolve.
   const VolumeFunction functions[] = {bump, [](const Vec3& x) { return std::tanh(7 * (x.z - x.x - x.y) + 2); },
                                       [](const Vec3& x) {
                                         return std::exp(-12 * squared_norm(x - Vec3{0.4, 0.6, 0.5}));
@@ -129,15 +129,15 @@ TEST(MlsField, IsNeverWorseThanLinear) {
   for (std::size_t k = 0; k < 3; ++k)
     for (const NamedGrid& grid : all_grids(functions[k])) {
       if (grid.name == "lattice, cells" || grid.name == "stretched, cells") continue;  // outer half cells: extrapolated
-      // A front thinner than the samples are apart, next to where a block ends: a fifth worse at most (see the page's
-      // limits).
+      // A front thinner than the spacing next to the end of a block: at most a fifth worse (see the limits in
+      // docs/methods/volume-reconstruction.md).
       if (grid.name == "overlapping, cells" && k == 1) continue;
       SCOPED_TRACE(grid.name + ", function " + std::to_string(k));
       const auto volume = with_values_at_samples(*volume_of(grid.data, grid.association), functions[k]);
       const auto x = places_within(*volume, 3000);
       const Errors linear = errors_of(*field_of(volume, "linear"), x, functions[k]);
       const Errors mls = errors_of(*field_of(volume, "mls"), x, functions[k]);
-      const double spare = k == 0 ? 1 : 1.01;  // where samples are too far apart for any method: a hundredth
+      const double spare = k == 0 ? 1 : 1.01;  // a hundredth where samples are too sparse for any method
       EXPECT_LE(mls.most, spare * linear.most);
       EXPECT_LE(mls.mean, spare * linear.mean);
     }
@@ -146,7 +146,7 @@ TEST(MlsField, IsNeverWorseThanLinear) {
 TEST(MlsField, GradientsAreDerivativesOfTheValues) {
   const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
   for (const auto method : {"mls", "amls"}) {
-    // Some are near corners, where mls goes over to linear interpolation.
+    // Some points are near corners, where mls falls back on linear interpolation.
     EXPECT_LE(wrong_gradients(*field_of(volume, method), places_within(*volume, 300)), 10u);
   }
 }
@@ -167,7 +167,7 @@ TEST(MlsField, DegreesAboveFourAreRefused) {
   }
 }
 
-TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
+TEST(AmlsField, MoreIterationsReduceResiduals) {
   const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
   double before = std::numeric_limits<double>::infinity();
   for (const int n : {0, 3, 12}) {
@@ -181,7 +181,7 @@ TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
   }
 }
 
-TEST(AmlsField, ChoosesWidthAndIterationsAndSaysSo) {
+TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
   Progress progress;
   ReconstructionOptions options;
   options.method = "amls";

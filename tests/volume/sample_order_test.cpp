@@ -1,4 +1,4 @@
-// Files may list points, cells and blocks in any order: what is reconstructed of them is the same to the bit.
+// The order of points, cells and blocks in a file does not change a bit of the reconstruction.
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -26,7 +26,7 @@ std::vector<T> rows_taken(const std::vector<T>& from, const std::vector<std::uin
   return to;
 }
 
-/// Lists the points and the cells of a block without structure in another order; each cell keeps that of its corners.
+/// Permutes the points and cells of a block without structure; each cell keeps the order of its corners.
 void shuffle_rows(GridBlock& b, std::mt19937& random) {
   const auto points = shuffled(b.points.size(), random);
   std::vector<std::uint32_t> now(points.size());
@@ -77,7 +77,7 @@ Probed probe(const GridData& data, Association a, const std::string& method, con
   return p;
 }
 
-/// Two unstructured blocks of unlike tetrahedra side by side.
+/// Two unstructured blocks of different tetrahedra side by side.
 GridData two_unstructured() {
   GridData data;
   data.blocks.push_back(tetrahedra_of(lattice_block({5, 5, 5})));
@@ -86,7 +86,7 @@ GridData two_unstructured() {
   return data;
 }
 
-/// Each tetrahedron has points of its own: as many lie at one place as cells meet there, with values of their own.
+/// Tetrahedra with separate points: as many coincide as cells meet there, with different values.
 GridData torn() {
   const GridBlock whole = tetrahedra_of(lattice_block({4, 4, 5}));
   GridBlock block;
@@ -120,7 +120,7 @@ GridData sheet() {
     for (std::uint32_t i = 0; i + 1 < n; ++i) {
       const std::uint32_t p = i + n * j;
       if ((i + j) % 3 == 0)
-        block.flat_cells.push_back({p, p + n, p + n + 1, p + 1});  // wound the other way
+        block.flat_cells.push_back({p, p + n, p + n + 1, p + 1});  // reversed orientation
       else if ((i + j) % 3 == 1)
         block.flat_cells.push_back({p, p + 1, p + n + 1, p + n});
       else
@@ -149,7 +149,7 @@ GridData with_holes() {
   return data;
 }
 
-TEST(SampleOrder, DoesNotShowInAnyAnswer) {
+TEST(SampleOrder, HasNoEffectOnAnyAnswer) {
   SANSMESH_NOT_SANITIZED("compares results; others make the same fields");
   std::vector<NamedGrid> grids;
   const auto add = [&](const char* name, const GridData& data) {
@@ -183,7 +183,8 @@ TEST(SampleOrder, DoesNotShowInAnyAnswer) {
 }
 
 TEST(SampleOrder, NeighboursInSpaceAreNeighboursInMemory) {
-  // Along a curve that fills space most links between n samples span far less than n / 4, which chance would give.
+  // Along a space-filling curve most links between n samples span far less than n / 4, the expectation for a random
+  // order.
   for (const GridData& data :
        {shuffled_data(tetrahedra_grid({16, 16, 16}, wavy), 3), shuffled_data(scattered_grid(4000, wavy), 3)}) {
     const auto volume = volume_of(data);

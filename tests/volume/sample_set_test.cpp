@@ -8,7 +8,7 @@
 namespace sansmesh::test {
 namespace {
 
-TEST(SampleSet, HoldsWhatWasPutInSinceItWasCleared) {
+TEST(SampleSet, ContainsInsertedSamplesUntilCleared) {
   std::mt19937 random(5);
   SampleSet set;
   EXPECT_FALSE(set.contains(0));
@@ -24,7 +24,7 @@ TEST(SampleSet, HoldsWhatWasPutInSinceItWasCleared) {
   }
 }
 
-TEST(SampleSet, TellsTheLargestNumbersApart) {
+TEST(SampleSet, DistinguishesLargeIndices) {
   SampleSet set;
   EXPECT_TRUE(set.insert(0xffffffffu));
   EXPECT_TRUE(set.insert(0xfffffffeu));

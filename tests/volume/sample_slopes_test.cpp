@@ -46,10 +46,10 @@ TEST(SampleSlopes, SpacingIsTheStepAndVolumesFillTheLattice) {
     EXPECT_NEAR(slopes.spacing(i), 0.1, 1e-12);
     sum += slopes.volume(i);
   }
-  EXPECT_NEAR(sum, 1.1 * 1.1 * 1.1, 1e-9);  // each sample in the middle of its cube
+  EXPECT_NEAR(sum, 1.1 * 1.1 * 1.1, 1e-9);  // each sample at the centre of its cube
 }
 
-/// Cells four times as long along y as along x: a curvilinear block knows that as well as a lattice.
+/// Cells four times as long along y as along x, as a lattice and as a curvilinear block.
 TEST(SampleSlopes, FlatCellsHaveTheirOwnSpacingInEachDirection) {
   const GridBlock lattice = test::lattice_block({9, 9, 9}, {0, 0, 0}, {1, 4, 2});
   const auto same = [](const Vec3& x) { return x; };
@@ -66,8 +66,8 @@ TEST(SampleSlopes, FlatCellsHaveTheirOwnSpacingInEachDirection) {
   }
 }
 
-/// A border that is ten times fainter at one end than at the other is steepest in the same plane all along: what is
-/// steeper along the border does not count.
+/// A border ten times fainter at one end than at the other is steepest in one plane everywhere: larger gradients along
+/// the border do not count.
 TEST(SampleSlopes, SteepestAcrossFollowsABorderThatFades) {
   const auto f = [](const Vec3& x) { return std::pow(10.0, -x.y) * std::tanh((x.x - 0.5) / 0.08); };
   for (const bool lattice : {true, false}) {
@@ -92,7 +92,7 @@ TEST(SampleSlopes, SteepestAcrossFollowsABorderThatFades) {
   }
 }
 
-TEST(SampleSlopes, SteepestAcrossLeavesOutWhatIsFlat) {
+TEST(SampleSlopes, SteepestAcrossIgnoresFlatRegions) {
   const Slopes s = slopes_of(test::lattice_grid({9, 9, 9}, test::linear_function), test::linear_function);
   const SampleSlopes slopes(s.volume, s.values);
   const std::vector<float> steep(s.volume.size(), 2);

@@ -1,4 +1,4 @@
-// Robust fits about a sample: METHODS §6.1.
+// Robust fits at a sample (tejada2008, 6.2).
 #include "sansmesh/volume/samples/stencil_fit.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@ namespace {
 struct Stencil {
   std::vector<Vec3> u;
   std::vector<double> f;
-  std::vector<bool> other;  ///< not of the material of the first one
+  std::vector<bool> other;  ///< true for samples of the second material
 };
 
-// A ball of samples about one at 0.
+// A ball of samples around a sample at 0.
 Stencil ball(std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return 2 * (static_cast<double>(random()) / 4294967296.0) - 1; };
@@ -46,7 +46,7 @@ double value_of(const StencilFit& fit, const Vec3& u) {
   return sum;
 }
 
-// Layers of samples across z, those above a height one higher.
+// Layers of samples across z; the values of those above a height are larger by one.
 Stencil layers_with_step(double lowest, double highest, double height) {
   Stencil s;
   s.u.push_back({});
@@ -58,16 +58,16 @@ Stencil layers_with_step(double lowest, double highest, double height) {
   return s;
 }
 
-TEST(StencilFit, TakesAStepOnlyWhereItsSideIsNoSingleLayer) {
+TEST(StencilFit, AcceptsAStepUnlessOneSideIsASingleLayer) {
   const std::vector<Vec3> tests{{0.4, 0.4, -0.5}};
   StencilFit fit({});
-  // The sample and another layer above it are on its side: it is known that nothing rises there.
+  // The sample and another layer are on one side: the slope across is determined.
   Stencil two = layers_with_step(-2, 1, -0.5);
   for (double& f : two.f) f -= 1;
   fit.fit(two.u, two.f, 1, tests);
   EXPECT_TRUE(fit.split());
   EXPECT_NEAR(value_of(fit, {0, 0, -1}), 0, 1e-9);
-  // The uppermost layer alone: values may as well rise from the one below.
+  // Only the uppermost layer is on this side: the slope to the next one is undetermined.
   Stencil one = layers_with_step(-2, 0, -0.5);
   for (double& f : one.f) f -= 1;
   fit.fit(one.u, one.f, 1, tests);
@@ -75,7 +75,7 @@ TEST(StencilFit, TakesAStepOnlyWhereItsSideIsNoSingleLayer) {
   EXPECT_LT(value_of(fit, {0, 0, -1}), -0.5);
 }
 
-// Two other materials, one of each beyond its plane: no gap of the values stands out.
+// Two other materials, each beyond its own plane: no gap of the values stands out.
 TEST(StencilFit, KeepsToItsMaterialBesideTwoOthers) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
@@ -98,13 +98,13 @@ TEST(StencilFit, KeepsToItsMaterialBesideTwoOthers) {
       smeared = std::max(smeared, std::abs(value_of(plain, s.u[i]) - s.f[i]));
       kept = std::max(kept, std::abs(value_of(robust, s.u[i]) - s.f[i]));
     }
-    EXPECT_LT(kept, 0.01);  // a three hundredth of the step
+    EXPECT_LT(kept, 0.01);  // a three-hundredth of the step
     EXPECT_GT(smeared, 0.03);
   }
 }
 
-// The weights are those of distance times ψ' of the residuals of the fit that they lead to: the least squares of these
-// weights, solved another way, give the same polynomial.
+// The weights are the distance weights times ψ' of the residuals of the resulting fit: weighted least squares by
+// another method gives the same polynomial.
 TEST(StencilFit, IsAFixedPointOfItsWeights) {
   int tried = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -113,14 +113,14 @@ TEST(StencilFit, IsAFixedPointOfItsWeights) {
     std::mt19937 random(seed);
     for (std::size_t i = 0; i < s.u.size(); ++i) {
       const double t = static_cast<double>(random()) / 4294967296.0;
-      // Errors of all sizes: some weights are neither 0 nor 1.
+      // Errors of all sizes: some weights are between 0 and 1.
       const double off = i == 0 ? 0 : i % 12 == 0 ? 0.3 + 2 * t : i % 12 == 6 ? 0.12 : 0;
       s.f.push_back(plane(s.u[i]) - plane(s.u[0]) + (i == 0 ? 0 : 0.05 * (t - 0.5)) + off);
     }
     const std::vector<Vec3> tests{{0.5, 0.5, 0.5}};
     StencilFit fit({1, true, 1.1});
     fit.fit(s.u, s.f, 1, tests);
-    if (fit.split() || fit.degree() != 1) continue;  // the largest errors far apart from all others: another rule
+    if (fit.split() || fit.degree() != 1) continue;  // the largest errors far from all others: another rule
     ++tried;
     const std::size_t n = s.u.size();
     std::vector<double> e(n), sorted(n);

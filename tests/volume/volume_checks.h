@@ -1,4 +1,4 @@
-// What all volumes must hold to, whatever grid they come from.
+// Common checks of volumes from all kinds of grids.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 
 namespace sansmesh::test {
 
-/// A grid of each kind, of values of points and of cells.
+/// A grid of each kind, with point values and cell values.
 struct NamedGrid {
   std::string name;
   GridData data;
@@ -63,7 +63,7 @@ inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
 
-/// Of a field at places: the mean and the largest.
+/// Mean and largest error of a field at points.
 struct Errors {
   double mean = 0, most = 0;
 };
@@ -83,8 +83,8 @@ inline double mean_error(const VolumeField& field, const std::vector<Vec3>& x, c
   return errors_of(field, x, f).mean;
 }
 
-/// The same volume with the values of a function at its samples as "f". (Those of cells are at the means of their
-/// corners otherwise, where the samples of some cells are not.)
+/// The same volume with function values at its samples as "f". (Cell values are otherwise at the means of the corners,
+/// where some cells do not have their samples.)
 inline std::shared_ptr<const SampledVolume> with_values_at_samples(SampledVolume volume, const VolumeFunction& f) {
   std::vector<double> values;
   for (std::size_t i = 0; i < volume.size(); ++i) values.push_back(f(volume.position(i)));
@@ -92,7 +92,7 @@ inline std::shared_ptr<const SampledVolume> with_values_at_samples(SampledVolume
   return std::make_shared<const SampledVolume>(std::move(volume));
 }
 
-/// How many of the gradients at x differ by 0.02 or more from central differences of the values, 1e-3 to each side.
+/// Number of gradients at x that differ by 0.02 or more from central differences of the values, 1e-3 to each side.
 inline std::size_t wrong_gradients(const VolumeField& field, const std::vector<Vec3>& x) {
   std::vector<double> unused(x.size());
   std::vector<Vec3> gradients(x.size());

@@ -1,5 +1,5 @@
-// Grids of every kind, made up: what the tests of volumes work on. Each holds an array "f" of one number, of points and
-// of cells (at the mean of a cell's corners), from a given function.
+// Synthetic grids of every kind for tests of volumes. Each has an array "f" with one component from a given function,
+// on points and on cells (at the mean of a cell's corners).
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace sansmesh::test {
 
 using VolumeFunction = std::function<double(const Vec3&)>;
 
-/// a + b·x with coefficients that no symmetry hides.
+/// a + b·x with coefficients without symmetry.
 inline double linear_function(const Vec3& x) { return 0.75 + 1.5 * x.x - 0.625 * x.y + 2.25 * x.z; }
 inline constexpr Vec3 kLinearGradient{1.5, -0.625, 2.25};
 
@@ -40,7 +40,7 @@ inline std::size_t block_point_count(const GridBlock& block) {
   return block.kind == GridKind::lattice ? n[0] * n[1] * n[2] : block.points.size();
 }
 
-/// The cells of a structured block, numbered as the block's are; of others those that it has.
+/// The cells of a structured block in the order of the block; other blocks' own cells.
 inline CellList block_cells(const GridBlock& block) {
   if (block.kind == GridKind::unstructured || block.kind == GridKind::scattered) return block.cells;
   const auto n = block_dims(block);
@@ -80,7 +80,7 @@ inline GridData one_block(GridBlock block, const VolumeFunction& f) {
   return data;
 }
 
-/// n numbers from `from` to `to`, the steps growing by the factor `growth` from one to the next.
+/// n numbers from `from` to `to`; each step is `growth` times the previous one.
 inline std::vector<double> axis_steps(std::size_t n, double from, double to, double growth = 1) {
   std::vector<double> axis(n);
   double step = 1, at = 0;
@@ -102,7 +102,7 @@ inline GridData lattice_grid(std::array<std::size_t, 3> n, const VolumeFunction&
   return one_block(lattice_block(n), f);
 }
 
-/// Steps grow by a factor from one to the next: rectilinear.
+/// A rectilinear grid with steps that grow by a factor.
 inline GridData stretched_grid(std::array<std::size_t, 3> n, const VolumeFunction& f, double growth = 1.3) {
   return one_block(lattice_block(n, {0, 0, 0}, {1, 1, 1}, growth), f);
 }
@@ -116,7 +116,7 @@ inline GridBlock curvilinear_block(const GridBlock& lattice, const std::function
   return block;
 }
 
-/// A bent and twisted cube without any plane face.
+/// A bent and twisted cube without planar faces.
 inline Vec3 bend(const Vec3& x) {
   return {x.x + 0.15 * std::sin(2.5 * x.y + x.z), x.y + 0.12 * std::cos(3 * x.x - x.z), x.z + 0.1 * x.x * x.y};
 }
@@ -125,8 +125,8 @@ inline GridData bent_grid(std::array<std::size_t, 3> n, const VolumeFunction& f,
   return one_block(curvilinear_block(lattice_block(n, {0, 0, 0}, {1, 1, 1}, growth), bend), f);
 }
 
-/// A cylinder about the z axis, radius 1, height 2, from angle to radius to height: the first radius is 0, so a whole
-/// plane of points lies on the axis, and the last angle is the first one again, to rounding. Radii grow by `growth`.
+/// A cylinder around the z axis, radius 1, height 2, with axes angle, radius, height. The first radius is 0, so that a
+/// plane of points collapses to the axis, and the last angle equals the first up to rounding. Radii grow by `growth`.
 inline GridBlock o_grid_block(std::array<std::size_t, 3> n, double growth = 1.15) {
   GridBlock block = lattice_block(n, {0, 0, 0}, {2 * std::numbers::pi, 1, 2});
   block.axes[1] = axis_steps(n[1], 0, 1, growth);
@@ -135,7 +135,7 @@ inline GridBlock o_grid_block(std::array<std::size_t, 3> n, double growth = 1.15
 
 inline GridData o_grid(std::array<std::size_t, 3> n, const VolumeFunction& f) { return one_block(o_grid_block(n), f); }
 
-/// Each hexahedron of a structured block cut into six tetrahedra about its diagonal from corner 0 to 6: they fit.
+/// Each hexahedron of a structured block split into six conforming tetrahedra around its diagonal from corner 0 to 6.
 inline GridBlock tetrahedra_of(const GridBlock& structured) {
   GridBlock block;
   block.kind = GridKind::unstructured;
@@ -154,8 +154,8 @@ inline GridData tetrahedra_grid(std::array<std::size_t, 3> n, const VolumeFuncti
   return one_block(tetrahedra_of(lattice_block(n)), f);
 }
 
-/// Hexahedra, wedges and pyramids side by side: every third hexahedron along x is cut into two wedges (which share
-/// whole faces with their neighbours where rows agree: all along y), every third into six pyramids about its centre.
+/// Hexahedra, wedges and pyramids side by side: every third hexahedron along x is split into two wedges (with whole
+/// common faces along y), every third into six pyramids around its centre.
 inline GridData mixed_grid(std::array<std::size_t, 3> n, const VolumeFunction& f) {
   const GridBlock lattice = lattice_block(n);
   GridBlock block;
@@ -168,7 +168,7 @@ inline GridData mixed_grid(std::array<std::size_t, 3> n, const VolumeFunction& f
       case 0:
         block.cells.add(CellShape::hexahedron, h);
         break;
-      case 1:  // cut along the diagonals of the faces across z, whose neighbours in the column are cut alike
+      case 1:  // split along the diagonals of the faces across z, equally within a column
         block.cells.add(CellShape::wedge, std::array{h[0], h[2], h[1], h[4], h[6], h[5]});
         block.cells.add(CellShape::wedge, std::array{h[0], h[3], h[2], h[4], h[7], h[6]});
         break;
@@ -177,7 +177,7 @@ inline GridData mixed_grid(std::array<std::size_t, 3> n, const VolumeFunction& f
         for (const std::uint32_t p : h) middle += block.points[p] / 8;
         const auto tip = static_cast<std::uint32_t>(block.points.size());
         block.points.push_back(middle);
-        for (const CellFace& face : cell_faces(CellShape::hexahedron))  // inwards seen from the tip
+        for (const CellFace& face : cell_faces(CellShape::hexahedron))  // inward seen from the tip
           block.cells.add(CellShape::pyramid,
                           std::array{h[face.corner[0]], h[face.corner[3]], h[face.corner[2]], h[face.corner[1]], tip});
       }
@@ -202,7 +202,7 @@ inline GridData scattered_grid(std::size_t count, const VolumeFunction& f, unsig
 }
 
 /// Two levels: the unit cube in n³ cells, and its part [¼, ¾]³ in cells half as large (n a multiple of 4). The coarse
-/// cells below are hidden if `blanked`, as some files have it.
+/// cells below are hidden if `blanked`, as in some files.
 inline GridData two_level_amr(std::size_t n, const VolumeFunction& f, bool blanked = true) {
   GridBlock coarse = lattice_block({n + 1, n + 1, n + 1});
   GridBlock fine = lattice_block({n + 1, n + 1, n + 1}, {0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
@@ -220,8 +220,8 @@ inline GridData two_level_amr(std::size_t n, const VolumeFunction& f, bool blank
   return data;
 }
 
-/// Three curvilinear blocks that overlap, of spacings about 1/n, 1/(1.7 n) and 1/(2.6 n): a box, a turned one and a
-/// bent one. The whole is not convex.
+/// Three overlapping curvilinear blocks with spacings of about 1/n, 1/(1.7 n) and 1/(2.6 n): a box, a rotated one and a
+/// bent one. Their union is not convex.
 inline GridData three_overlapping_blocks(std::size_t n, const VolumeFunction& f) {
   const auto m = static_cast<std::size_t>(1.7 * static_cast<double>(n) * 0.8),
              l = static_cast<std::size_t>(2.6 * static_cast<double>(n) * 0.5);
@@ -239,7 +239,7 @@ inline GridData three_overlapping_blocks(std::size_t n, const VolumeFunction& f)
   return data;
 }
 
-/// Two boxes side by side that share the plane x = 1 with the same points there (n each way), or with n and m points.
+/// Two adjacent boxes with the same points in the plane x = 1 (n each way), or with n and m points.
 inline GridData abutting_blocks(std::size_t n, std::size_t m, const VolumeFunction& f) {
   GridData data;
   data.blocks.push_back(

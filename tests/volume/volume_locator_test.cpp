@@ -14,7 +14,7 @@ Vec3 corner_place(const SampledVolume& volume, std::uint32_t c) {
   return volume.lattice ? volume.lattice->position(c) : volume.corner(c);
 }
 
-TEST(VolumeLocator, FindsThePlaceThatACellHasAtItsWeights) {
+TEST(VolumeLocator, FindsPointsByTheirWeights) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
@@ -63,8 +63,8 @@ TEST(VolumeLocator, SlopesOfShapeFunctionsAreTheirDifferences) {
   }
 }
 
-TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
-  // Steps of 1e-5 beside some of 1, bent, 1000 away from the origin.
+TEST(VolumeLocator, IsAccurateInThinLayersFarFromTheOrigin) {
+  // Steps of 1e-5 next to steps of 1, bent, 1000 away from the origin.
   GridBlock layers = lattice_block({9, 9, 40}, {0, 0, 0}, {8, 8, 1});
   layers.axes[2] = axis_steps(40, 0, 1, 1.3);
   const GridBlock bent = curvilinear_block(layers, [](const Vec3& x) {
@@ -84,8 +84,8 @@ TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
   }
 }
 
-/// Also on faces, edges and corners, and outside; wherever the search begins, and whatever was asked before.
-TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
+/// Also on faces, edges and corners, and outside; for all starting cells and previous queries.
+TEST(VolumeLocator, AnswersDependOnThePointAlone) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
@@ -99,7 +99,7 @@ TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
       x.insert(x.end(), {a, (a + b) * 0.5, (a + b + c) / 3});
     }
     std::vector<VolumePlace> alone(x.size()), places(x.size());
-    for (std::size_t i = 0; i < x.size(); i += 5) {  // too few points for anything to be remembered
+    for (std::size_t i = 0; i < x.size(); i += 5) {  // too few points for the cache of cells
       const std::size_t n = std::min<std::size_t>(5, x.size() - i);
       VolumeLocator(*volume).locate(std::span(x).subspan(i, n), std::span(alone).subspan(i, n));
     }
@@ -123,8 +123,8 @@ TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
   }
 }
 
-TEST(VolumeLocator, OutsideItIsTheNearestPlaceOfTheVolume) {
-  // Around a ball's worth of directions from the o-grid's cylinder (radius 1, z in 0..2), whose facets are known.
+TEST(VolumeLocator, OutsideFindsTheNearestPointOfTheVolume) {
+  // Points in all directions around the o-grid's cylinder (radius 1, z in 0..2), whose facets are known.
   const auto volume = volume_of(o_grid({33, 5, 6}, linear_function));
   const VolumeLocator locator(*volume);
   for (int i = 0; i < 200; ++i) {

@@ -1,4 +1,4 @@
-// Where volumes are asked in tests.
+// Query points in volumes for tests.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace sansmesh::test {
 
-/// Random places within random cells, not nearer to faces than a hundredth. At lattices places between the ends.
+/// Random points inside random cells, at least a hundredth from the faces. For lattices points between the ends.
 inline std::vector<Vec3> places_within(const SampledVolume& volume, std::size_t count, unsigned seed = 5) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };

@@ -1,4 +1,4 @@
-// sansmesh advise: which method suits these samples?
+// Command `advise`: recommends methods for samples or volumes.
 #include "sansmesh/advice.h"
 #include "sansmesh/model/surface_method.h"
 
@@ -19,28 +19,28 @@ namespace sansmesh::cli {
 namespace {
 
 /// Advice with the command that follows it.
-struct ToldAdvice {
+struct AdviceReport {
   Recommendation advice;
   std::vector<std::string> commands;
-  std::string why;  ///< in words of the command line
+  std::string why;  ///< with flags of the command line
 
   static const ReportSchema& schema();
 };
 
-constexpr ReportRow kToldAdvice[] = {
-    reported<[](const ToldAdvice& r) { return aim_word(r.advice.aim); }>({.name = "aim", .text = "What it is for"}),
-    reported<[](const ToldAdvice& r) { return r.advice.surface; }>({.name = "surface", .text = "Surface, by name"}),
-    reported<&ToldAdvice::commands>({.text = "Commands that do it"}),
-    reported<&ToldAdvice::why>({.text = "Reason for that"})};
-constexpr ReportSchema kToldAdviceSchema{kToldAdvice};
-const ReportSchema& ToldAdvice::schema() { return kToldAdviceSchema; }
+constexpr ReportRow kAdviceReport[] = {
+    reported<[](const AdviceReport& r) { return aim_word(r.advice.aim); }>({.name = "aim", .text = "Purpose"}),
+    reported<[](const AdviceReport& r) { return r.advice.surface; }>(
+        {.name = "surface", .text = "Name of the surface"}),
+    reported<&AdviceReport::commands>({.text = "Commands"}), reported<&AdviceReport::why>({.text = "Reason"})};
+constexpr ReportSchema kAdviceReportSchema{kAdviceReport};
+const ReportSchema& AdviceReport::schema() { return kAdviceReportSchema; }
 
-/// For each aim, in the order of the enumerators.
+/// Commands in the order of the enumerators of the aim.
 constexpr const char* kCloudCommands[] = {
     "reconstruct {} -o surface.ply", "render {} -o picture.png", "curvature {} -o curved.ply --preview curved.png",
     "project {} -o smooth.ply",      "fit {} -o function.smf",   "deform {} --handles handles.json -o deformed.ply"};
 
-/// The command that does what is recommended.
+/// The recommended command.
 std::string command_of(const Recommendation& r, const CloudInput& of) {
   using Aim = Recommendation::Aim;
   std::string input = shell_words(of.files);
@@ -55,25 +55,25 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
   return command;
 }
 
-/// `recommended`: the command whose options reasons may name.
+/// `recommended`: the command whose options appear in reasons.
 void run_advise(const CloudInput& input, const CommandLine& recommended, Console& console) {
   ReadReport read;
   const PointSet points = input.read(console, read);
   const Advice advice = naming(input.name(), console, [&] { return advise(points, console.progress()); });
   console.note(input.name(), advice.notes);
-  console.tell(input.told(read, points.size()), "input");
-  console.tell(advice);
-  std::vector<ToldAdvice> told;
-  told.reserve(advice.recommendations.size());
+  console.report(input.report(read, points.size()), "input");
+  console.report(advice);
+  std::vector<AdviceReport> reports;
+  reports.reserve(advice.recommendations.size());
   for (const Recommendation& r : advice.recommendations)
-    told.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
-  console.tell(told, "recommendations");
+    reports.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
+  console.report(reports, "recommendations");
 
-  console.say(fmt::format("{}: {}", input.name(), read.format));
-  console.say(summary_of(advice));
-  for (const ToldAdvice& one : told) {
-    console.say(aim_word(one.advice.aim), one.why, 10);
-    console.say("  $ " + one.commands[0]);
+  console.print(fmt::format("{}: {}", input.name(), read.format));
+  console.print(summary_of(advice));
+  for (const AdviceReport& one : reports) {
+    console.print(aim_word(one.advice.aim), one.why, 10);
+    console.print("  $ " + one.commands[0]);
   }
 }
 
@@ -85,24 +85,23 @@ Command add_advise(CommandLine& app) {
   auto input = std::make_shared<CloudInput>();
   auto volume = std::make_shared<VolumeInput>();
   add_cloud_input(c, *input, "Points, a mesh or polygon soup, or a volume; `data FILE` takes points for its samples");
-  c.add_option("--array", volume->array, "Of a volume: the array that is looked at [a scalar]").type_name("NAME");
+  c.add_option("--array", volume->array, "For a volume: the array to examine [a scalar]").type_name("NAME");
   add_raw_options(c, volume->read);
-  c.footer(
-      std::string(kReadable) + "\n" + kReadableVolumes +
-      "\n\nOf points: looks at noise, density, sharp edges, borders, whether the surface is open, stray samples and "
-      "normals. Of volumes: at grid, resolution, noise and steps. Writes nothing."
-      "\n\nExamples:\n"
-      "  sansmesh advise scan.ply\n"
-      "  sansmesh advise scan.ply --json\n"
-      "  sansmesh advise fire.vtu --array t");
-  c.tells({told<ReadCloud>("input"), told<Advice>(), told_list<ToldAdvice>("recommendations"),
-           told<ReadVolume>("input"), told<VolumeAdvice>(), told_list<ToldCommand>("commands")});
+  c.footer(std::string(kReadable) + "\n" + kReadableVolumes +
+           "\n\nFor points, it examines noise, density, sharp edges, borders, openness, stray samples and normals; for "
+           "volumes grid, resolution, noise and steps. It writes nothing."
+           "\n\nExamples:\n"
+           "  sansmesh advise scan.ply\n"
+           "  sansmesh advise scan.ply --json\n"
+           "  sansmesh advise fire.vtu --array t");
+  c.announce({report_of<ReadCloud>("input"), report_of<Advice>(), reports_of<AdviceReport>("recommendations"),
+              report_of<ReadVolume>("input"), report_of<VolumeAdvice>(), reports_of<RecommendedCommand>("commands")});
   return {&c, [input, volume, &app](Console& console) {
-            const bool named = names_volume(input->files);
+            const bool named = is_volume_input(input->files);
             if (!named && !volume->read.raw.given()) {
               require(volume->array.empty(),
-                      "--array is of volumes: `advise data FILE` takes points for samples of one");
-              return run_advise(*input, app.subcommand("reconstruct"), console);
+                      "--array is for volumes: `advise data FILE` treats points as samples of one");
+              return run_advise(*input, *app.subcommand("reconstruct"), console);
             }
             volume->files = input->files;
             run_volume_advise(*volume, console);

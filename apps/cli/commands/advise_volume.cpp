@@ -21,7 +21,7 @@ std::string shell_word(const std::string& name) {
   return text + "'";
 }
 
-/// All that was said of how the files are read, to be said again.
+/// The given options of reading, as text of a command line.
 std::string read_words(const VolumeReadOptions& read) {
   std::string words;
   const std::vector<std::string_view> set = options_set(read);
@@ -37,7 +37,7 @@ std::string read_words(const VolumeReadOptions& read) {
   return words;
 }
 
-/// For each aim, in the order of the enumerators.
+/// Commands in the order of the enumerators of the aim.
 constexpr const char* kVolumeCommands[] = {"volume probe {files}{array} --points where.csv -o values.csv",
                                            "volume resample {files}{array} -o resampled.vti",
                                            "volume {surface} {files}{array} --value {value:.4g} -o surface.ply",
@@ -49,12 +49,12 @@ constexpr const char* kVolumeCommands[] = {"volume probe {files}{array} --points
                                            "deform {files}{array} --handles handles.json -o deformed.png",
                                            "simulate {files} --animation moved.png"};
 
-/// The command that makes what is recommended; `files` with all that has to be said of them again.
+/// The recommended command; `files` includes the options of reading.
 std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
                            bool several) {
   const bool series = advice.offer.steps > 1;
   std::string flow, seeds;
-  // Several files may be steps in time or blocks: nothing tells which.
+  // Several files may be steps in time or blocks, which cannot be distinguished.
   if (!advice.flow.empty() && !(series && several))
     flow = " --array " + shell_words({advice.flow}) + (series ? " --unsteady" : "");
   if (advice.seeds) {
@@ -72,12 +72,11 @@ std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& ad
 
 }  // namespace
 
-const ReportSchema& ToldCommand::schema() {
-  static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "What it is for"}),
-                                       reported<&ToldCommand::why>({.text = "Reason for that"}),
-                                       reported<&ToldCommand::command>({.text = "Command that does it"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+const ReportSchema& RecommendedCommand::schema() {
+  static constexpr ReportRow rows[] = {reported<&RecommendedCommand::aim>({.text = "Purpose"}),
+                                       reported<&RecommendedCommand::why>({.text = "Reason"}),
+                                       reported<&RecommendedCommand::command>({.text = "Command"})};
+  return report_schema<rows>();
 }
 
 std::string shell_words(const std::vector<std::string>& names) {
@@ -91,20 +90,20 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   any.bare = true;
   VolumeModel volume = any.open(console);
   const VolumeAdvice advice = advise(volume, console.progress());
-  console.tell(input.told(volume, console.progress()), "input");
-  console.tell(advice);
+  console.report(input.report(volume, console.progress()), "input");
+  console.report(advice);
   const std::string files = shell_words(input.files) + read_words(input.read);
-  std::vector<ToldCommand> told;
-  told.reserve(advice.recommendations.size());
+  std::vector<RecommendedCommand> reports;
+  reports.reserve(advice.recommendations.size());
   for (const VolumeRecommendation& r : advice.recommendations)
-    told.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
-  console.tell(told, "commands");
+    reports.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
+  console.report(reports, "commands");
 
-  console.say(fmt::format("{}: {}", volume.name(), volume.format()));
-  console.say(summary_of(advice));
-  for (const ToldCommand& one : told) {
-    console.say(one.aim, one.why);
-    console.say("  $ " + one.command);
+  console.print(fmt::format("{}: {}", volume.name(), volume.format()));
+  console.print(summary_of(advice));
+  for (const RecommendedCommand& one : reports) {
+    console.print(one.aim, one.why);
+    console.print("  $ " + one.command);
   }
 }
 

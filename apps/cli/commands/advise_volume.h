@@ -1,4 +1,4 @@
-// sansmesh advise, of volumes.
+// Command `advise` for volumes.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace sansmesh::cli {
 
-/// Advice on a volume, and the command that follows it.
-struct ToldCommand {
+/// Advice on a volume, with the command that follows it.
+struct RecommendedCommand {
   std::string aim, why, command;
 
   static const ReportSchema& schema();
 };
 
-/// Names of files as a shell takes them for one word each.
+/// File names quoted for a shell.
 std::string shell_words(const std::vector<std::string>& names);
 
-/// What suits a volume, and the commands.
+/// Prints recommendations and commands for a volume.
 void run_volume_advise(const VolumeInput& input, Console& console);
 
 }  // namespace sansmesh::cli

@@ -1,4 +1,4 @@
-// sansmesh align: one cloud or mesh moved onto another.
+// Command `align`: moves a cloud or mesh onto another one.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -31,7 +31,7 @@ struct AlignArguments {
 
 void run_align(const AlignArguments& a, Console& console) {
   AffineMap before;
-  if (!a.start.empty()) before = read_transform(a.start);  // before all else: it may be no transform
+  if (!a.start.empty()) before = read_transform(a.start);  // first, since the file may not contain a transform
   a.options.validate();
   a.output.check_preview();
   Progress& progress = console.progress();
@@ -52,63 +52,61 @@ void run_align(const AlignArguments& a, Console& console) {
     const PointSet cloud = vertices_of(std::move(made.moved));
     warn_of_losses(moving_file, moving.read, output, cloud, console);
     write_points(output, cloud, {.ascii = a.output.ascii});
-    console.tell(WrittenPoints{output, cloud.size()}, "output");
+    console.report(WrittenPoints{output, cloud.size()}, "output");
   } else if (!output.empty()) {
     warn_of_losses(moving_file, moving.read, output, made.moved, console);
     write_mesh(output, made.moved, {.ascii = a.output.ascii});
-    tell_mesh(output, made.moved, console);
+    report_mesh(output, made.moved, console);
   }
   if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
-  console.tell(moving.told, "moving");
-  console.tell(fixed.told, "fixed");
-  console.tell(made);
-  if (!a.output.preview.empty()) console.tell(ToldFile{a.output.preview}, "preview");
-  if (!a.transform_output.empty()) console.tell(ToldFile{a.transform_output}, "transform_output");
+  console.report(moving.report, "moving");
+  console.report(fixed.report, "fixed");
+  console.report(made);
+  if (!a.output.preview.empty()) console.report(FileReport{a.output.preview}, "preview");
+  if (!a.transform_output.empty()) console.report(FileReport{a.transform_output}, "transform_output");
 
-  console.say(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
-                          fixed.surface.kind_word()));
-  console.say(summary_of(made.report));
+  console.print(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
+                            fixed.surface.kind_word()));
+  console.print(summary_of(made.report));
   if (output.empty() && a.transform_output.empty())
     for (std::size_t row = 0; row < 3; ++row) {
       const std::array<double, 4> m = made.motion.rows()[row];
-      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
+      console.print(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})
-    if (!file.empty()) console.say(file + ": written");
+    if (!file.empty()) console.print(file + ": written");
 }
 
 }  // namespace
 
 Command add_align(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same moved onto another surface");
+  CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same, moved onto another surface");
   auto a = std::make_shared<AlignArguments>();
   a->moving.files.resize(1);
-  c.add_option("moving", a->moving.files[0], "What moves: mesh, points, or function (.smf)")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
-  c.add_option("fixed", a->fixed.files, "What it moves onto: mesh, points, or function; several files are read as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
-  add_class_options(c, a->fixed, " of what it moves onto");
-  c.add_option("-o,--output", a->output.file, "What has moved, with all its attributes: formats of meshes or of points")
+  add_surface_input(c, "moving", a->moving.files[0], "Surface to move: mesh, points, or function (.smf)");
+  add_surface_input(c, "fixed", a->fixed.files,
+                    "Fixed surface: mesh, points, or function; several files are read as one");
+  add_class_options(c, a->fixed, " of the fixed surface");
+  c.add_option("-o,--output", a->output.file, "Moved surface with all attributes: formats of meshes or of points")
       .writes(endings_written(kMesh | kPoints));
-  c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
+  c.add_option("--transform-output", a->transform_output, "Motion as 4 rows of 4 numbers (.json: as JSON)")
       .writes({".txt", ".json"});
   add_schema(c, a->options, {.group = "Alignment"});
-  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").reads();
-  add_preview_option(c, a->output.preview, "both, what has moved in orange,");
+  c.add_option("--start-transform", a->start, "Apply this transform first: 4 rows of 4 numbers").reads();
+  add_preview_option(c, a->output.preview, "both surfaces, the moved one in orange,");
   add_ascii_flag(c, a->output.ascii);
   add_picture_options(c, a->output.picture);
   add_wireframe_options(c, a->output.picture.options);
   c.footer(
-      "Distances run from samples of what moves to the surface of what is fixed; what lies beyond its borders, or\n"
-      "has no counterpart, does not count. Without an output the motion is printed.\n\n"
+      "Distances are measured from samples of the moving surface to the fixed one; parts beyond its borders, or\n"
+      "without a counterpart, are ignored. Without an output the motion is printed.\n\n"
       "Examples:\n"
       "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
       "  sansmesh align second.ply first.ply --from anywhere --json\n"
       "  sansmesh align inches.stl millimetres.ply -o same.stl --find-scale");
-  c.tells({told<ReadSurface>("moving"), told<ReadSurface>("fixed"), told<AlignResult>(), told<WrittenPoints>("output"),
-           told<WrittenMesh>("output"), told<ToldFile>("preview"), told<ToldFile>("transform_output")});
+  c.announce({report_of<ReadSurface>("moving"), report_of<ReadSurface>("fixed"), report_of<AlignResult>(),
+              report_of<WrittenPoints>("output"), report_of<WrittenMesh>("output"), report_of<FileReport>("preview"),
+              report_of<FileReport>("transform_output")});
   return {&c, [a](Console& console) { run_align(*a, console); }};
 }
 

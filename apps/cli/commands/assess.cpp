@@ -1,4 +1,4 @@
-// sansmesh assess: how good is a mesh?
+// Command `assess`: measures the quality of a mesh.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -7,7 +7,7 @@
 #include "cli/line/commands.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
-#include "cli/report/told_files.h"
+#include "cli/report/file_reports.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -16,13 +16,13 @@ namespace {
 
 struct AssessArguments {
   std::string surface;
-  CloudInput reference;  ///< without files: none
+  CloudInput reference;  ///< optional
   AssessOptions options;
 };
 
 void run_assess(const AssessArguments& a, Console& console) {
   require(!a.reference.files.empty() || !a.reference.classes,
-          "--class and --without-class choose among the points of the reference");
+          "--class and --without-class select points of the reference");
   a.options.validate();
   Progress& progress = console.progress();
   progress.begin("read");
@@ -34,21 +34,21 @@ void run_assess(const AssessArguments& a, Console& console) {
                                 : assess(surface, a.reference.read(console, read), a.options, progress);
   const AssessReport& r = made.report;
   console.note(a.surface, made.notes);
-  console.tell(ToldFile{a.surface}, "surface");
-  if (r.distance) console.tell(a.reference.told(), "reference");
-  console.tell(r);
+  console.report(FileReport{a.surface}, "surface");
+  if (r.distance) console.report(a.reference.report(), "reference");
+  console.report(r);
 
-  console.say(r.topology ? fmt::format("{}: {} vertices, {}", a.surface, grouped(r.topology->vertices),
-                                       counted(r.topology->triangles, "triangle"))
-                         : fmt::format("{}: {} without faces", a.surface, counted(r.vertices, "point")));
-  console.say(summary_of(r));
+  console.print(r.topology ? fmt::format("{}: {} vertices, {}", a.surface, grouped(r.topology->vertices),
+                                         counted(r.topology->triangles, "triangle"))
+                           : fmt::format("{}: {} without faces", a.surface, counted(r.vertices, "point")));
+  console.print(summary_of(r));
 }
 
 }  // namespace
 
 Command add_assess(CommandLine& app) {
   CommandLine& c = app.add_subcommand("assess", "Mesh → distances to a reference, topology, shape of triangles");
-  c.once_called("evaluate");
+  c.former_name("evaluate");
   auto shared = std::make_shared<AssessArguments>();
   AssessArguments& a = *shared;
   c.add_option("mesh", a.surface, "Mesh or points").reads(endings_read(kPoints)).required();
@@ -57,16 +57,16 @@ Command add_assess(CommandLine& app) {
   add_class_options(c, a.reference, " of the reference");
   add_schema(c, a.options);
   c.footer(
-      "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
-      "Where a side is a set of points, distances do not fall below half their spacing.\n"
-      "Of the samples of a cloud or a meshed scan: lost, the share of them without a surface, farther from it than "
+      "To the reference: accuracy. From the reference: completeness. Angles of normals are between planes, 0..90°.\n"
+      "If one side is a set of points, distances do not fall below half their spacing.\n"
+      "For samples of a cloud or a meshed scan: lost is the share of samples farther from the surface than "
       "two\n"
-      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from "
-      "all.\n\n"
+      "spacings and four times the noise; invented is the share of the mesh's area farther than four spacings from "
+      "all samples.\n\n"
       "Examples:\n"
       "  sansmesh assess surface.ply\n"
       "  sansmesh assess surface.ply scan.ply");
-  c.tells({told<ToldFile>("surface"), told<ReadFiles>("reference"), told<AssessReport>()});
+  c.announce({report_of<FileReport>("surface"), report_of<ReadFiles>("reference"), report_of<AssessReport>()});
   return {&c, [shared](Console& console) { run_assess(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh compare: the inspection map, how far every place of a part lies from where it should.
+// Command `compare`: maps the distances between a part and its reference.
 #include "sansmesh/inspect.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
@@ -36,7 +36,7 @@ void check_arguments(const CompareArguments& a) {
   check_map_picture(look, a.unit);
 }
 
-/// The mesh has the colours of the map.
+/// The mesh carries the colours of the map.
 void write_map(const CompareArguments& a, const CompareResult& made, Progress& progress) {
   MapPicture picture;
   if (!a.preview.empty()) picture = draw_map(made, a.options, a.picture.chosen(), a.unit, progress);
@@ -62,22 +62,22 @@ void run_compare(const CompareArguments& a, Console& console) {
   const CompareResult made = compare(part.surface, reference.surface, a.options, progress);
   console.note(mapped.name(), made.notes);
   write_map(a, made, progress);
-  console.tell(part.told, "part");
-  console.tell(reference.told, "reference");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.preview.empty()) console.tell(ToldFile{a.preview}, "preview");
+  console.report(part.report, "part");
+  console.report(reference.report, "reference");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
+  if (!a.preview.empty()) console.report(FileReport{a.preview}, "preview");
 
-  console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),
-                          grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
-                          other.kind_word()));
-  console.say(summary_of(made, a.options, other.name()));
-  if (a.histogram && made.map.measured > 0) console.say(histogram_of(made.map));
+  console.print(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),
+                            grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
+                            other.kind_word()));
+  console.print(summary_of(made, a.options, other.name()));
+  if (a.histogram && made.map.measured > 0) console.print(histogram_of(made.map));
   const DistanceStatistics& s = made.map.statistics;
   for (const std::string& file : {a.output, a.preview})
     if (!file.empty())
-      console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
-                              s.smallest_range ? ", a millionth of the diagonal: 99 % are nearer" : ""));
+      console.print(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
+                                s.smallest_range ? ", a millionth of the diagonal: 99 % are closer" : ""));
 }
 
 }  // namespace
@@ -86,36 +86,32 @@ Command add_compare(CommandLine& app) {
   CommandLine& c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
   auto a = std::make_shared<CompareArguments>();
   a->part.files.resize(1);
-  c.add_option("part", a->part.files[0], "What was made: mesh, points, or function (.smf)")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
-  c.add_option("reference", a->reference.files,
-               "What it should be: mesh, points, or function (.smf); several files are read as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "part", a->part.files[0], "Manufactured part: mesh, points, or function (.smf)");
+  add_surface_input(c, "reference", a->reference.files,
+                    "Nominal shape: mesh, points, or function (.smf); several files are read as one");
   add_class_options(c, a->reference, " of the reference");
   c.add_option("-o,--output", a->output,
-               "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
+               "Map to write, with distances as quality and as colours: .ply .vtp .glb (others: colours)")
       .writes({".ply", ".vtp", ".glb"});
   add_preview_option(c, a->preview, "the map, with a scale in its --width,");
   const std::vector<std::string_view> of_alignment = {"align", "from", "find_scale", "align_samples",
                                                       "align_iterations"};
   add_schema(c, a->options, {.without = of_alignment});
   add_schema(c, a->options, {.group = "Alignment", .only = of_alignment});
-  c.add_flag("--histogram", a->histogram, "Print the distribution as well");
+  c.add_flag("--histogram", a->histogram, "Also print the distribution");
   add_ascii_flag(c, a->ascii);
   add_picture_options(c, a->picture);
   add_wireframe_options(c, a->picture.options);
-  c.add_option("--unit", a->unit, "Of lengths, at the scale").type_name("UNIT").group("Picture");
+  c.add_option("--unit", a->unit, "Unit of lengths at the scale").type_name("UNIT").group("Picture");
   c.footer(
-      "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved "
-      "without --align.\n\n"
+      "Positive distances are outside the reference. Statistics are weighted by area. The part is moved only "
+      "with --align.\n\n"
       "Examples:\n"
       "  sansmesh compare made.ply design.stl --within 0.05 -o map.ply --preview map.png\n"
       "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"
       "  sansmesh compare design.stl scan.smf --refine 0.5 --json");
-  c.tells({told<ReadSurface>("part"), told<ReadSurface>("reference"), told<CompareResult>(), told<ToldFile>("output"),
-           told<ToldFile>("preview")});
+  c.announce({report_of<ReadSurface>("part"), report_of<ReadSurface>("reference"), report_of<CompareResult>(),
+              report_of<FileReport>("output"), report_of<FileReport>("preview")});
   return {&c, [a](Console& console) { run_compare(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
+// Command `convert`: converts clouds and meshes to other formats, and moves, crops, thins, welds or splits them.
 #include "sansmesh/convert.h"
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kTold = 10;
+constexpr std::size_t kPrintedFiles = 10;
 
 struct ConvertArguments {
   CloudInput input;
@@ -32,7 +32,7 @@ struct ConvertArguments {
   SplitOptions parts;
 };
 
-/// A cloud or a mesh that was written.
+/// Written cloud or mesh.
 struct ConvertedFile {
   std::string file;
   std::size_t size = 0;
@@ -43,15 +43,15 @@ struct ConvertedFile {
 
 constexpr ReportRow kConvertedFile[] = {
     reported<&ConvertedFile::file>({.text = "File"}),
-    reported<[](const ConvertedFile& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points that were written"}),
-    reported<[](const ConvertedFile& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices that were written"}),
-    reported<&ConvertedFile::triangles>({.text = "Triangles that were written"})};
+    reported<[](const ConvertedFile& r) { return value_if(!r.triangles, r.size); }>(
+        {.name = "points", .text = "Points in the file"}),
+    reported<[](const ConvertedFile& r) { return value_if(r.triangles.has_value(), r.size); }>(
+        {.name = "vertices", .text = "Vertices in the file"}),
+    reported<&ConvertedFile::triangles>({.text = "Triangles in the file"})};
 constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
 const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
 
-/// Names that nobody gave: they must not be those of the input.
+/// Generated names, which must not be those of the input.
 std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t parts, Console& console) {
   std::vector<std::string> names(parts);
   for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a.output, k + 1, parts);
@@ -59,14 +59,14 @@ std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t p
   std::error_code none;
   const std::string beyond = part_name(a.output, parts + 1, parts);
   if (std::filesystem::exists(beyond, none))
-    console.warn(beyond, {"is none of the " + counted(parts, "part") + ", but was there before"});
+    console.warn(beyond, {"is not one of the " + counted(parts, "part") + ", and existed before"});
   return names;
 }
 
 void run_convert(const ConvertArguments& a, Console& console) {
   a.options.validate();
   a.parts.validate();
-  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size mean nothing without --split");
+  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size need --split");
   check_converted(a.output, a.options.vertices_only);
   const std::string name = a.input.name();
   Progress& progress = console.progress();
@@ -81,14 +81,14 @@ void run_convert(const ConvertArguments& a, Console& console) {
   else
     warn_of_losses(name, read, a.output, data.points, console);
   const std::vector<std::string> lost = left_out(a.output, data);
-  std::vector<std::string> said = summary_of(made.report);
+  std::vector<std::string> summary = summary_of(made.report);
   std::vector<CloudOrMesh> parts;
   std::vector<std::string> files{a.output};
   if (a.split) {
     SplitResult found = naming(name, console, [&] { return split(data, a.parts, progress); });
     console.note(name, found.notes);
-    said.push_back(summary_of(found)[0]);
-    console.tell(found);
+    summary.push_back(summary_of(found)[0]);
+    console.report(found);
     parts = std::move(found.parts);
     files = names_of_parts(a, parts.size(), console);
   } else {
@@ -99,20 +99,20 @@ void run_convert(const ConvertArguments& a, Console& console) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     write_converted(files[k], parts[k], a.ascii);
     const bool mesh = parts[k].is_mesh;
-    outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
+    outputs.push_back({files[k], parts[k].size(), value_if(mesh, parts[k].mesh.triangles.size())});
   }
-  console.say(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
-  console.say(said);
-  for (std::size_t k = 0; k < std::min(kTold, parts.size()); ++k)
-    console.say(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
-  if (parts.size() > kTold)
-    console.say(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
-  console.tell(a.input.told(), "input");
-  console.tell_value("input.format", read.format);
-  console.tell_value("input.unread", read.unread);
-  console.tell(made.report);
-  console.tell(outputs, "outputs");
-  console.tell_value("left_out", lost);
+  console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
+  console.print(summary);
+  for (std::size_t k = 0; k < std::min(kPrintedFiles, parts.size()); ++k)
+    console.print(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
+  if (parts.size() > kPrintedFiles)
+    console.print(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
+  console.report(a.input.report(), "input");
+  console.report_value("input.format", read.format);
+  console.report_value("input.unread", read.unread);
+  console.report(made.report);
+  console.report(outputs, "outputs");
+  console.report_value("left_out", lost);
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ Command add_convert(CommandLine& app) {
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});
-  c.add_flag("--split", a.split, "Connected parts as files of their own: NAME_001.ply, … the largest first");
+  c.add_flag("--split", a.split, "Write connected parts as separate files: NAME_001.ply, …, the largest first");
   add_schema(c, a.parts);
   add_schema(c, a.options,
              {.group = "Moves",
@@ -141,15 +141,15 @@ Command add_convert(CommandLine& app) {
       {.group = "Selection", .only = {"box", "outside_box", "point_spacing", "point_count", "every", "keep", "drop"}});
   add_schema(c, a.options, {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals"}});
   c.footer(std::string(kReadable) +
-           " Moves, selections and changes are done in the order in\n"
-           "which they are given.\n\nExamples:\n"
+           " Moves, selections and changes are applied in the\n"
+           "given order.\n\nExamples:\n"
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
            "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
-  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
-           told_value<std::vector<std::string>>("input.unread", "What there was no place for"), told<ConvertReport>(),
-           told<SplitResult>(), told_list<ConvertedFile>("outputs"),
-           told_value<std::vector<std::string>>("left_out", "What the format of the output has no room for")});
+  c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
+              value_of<std::vector<std::string>>("input.unread", "Unread parts of the file"),
+              report_of<ConvertReport>(), report_of<SplitResult>(), reports_of<ConvertedFile>("outputs"),
+              value_of<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
   return {&c, [shared](Console& console) { run_convert(*shared, console); }};
 }
 

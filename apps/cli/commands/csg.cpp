@@ -1,4 +1,4 @@
-// sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
+// Command `csg`: meshes an expression of functions, meshes and primitives.
 #include "sansmesh/solids.h"
 
 #include <fmt/core.h>
@@ -29,11 +29,11 @@ void run_csg(const CsgArguments& a, Console& console) {
   const CsgMeshReport& r = made.report;
   console.note(a.output.file, made.notes);
   a.output.write(made.mesh, console);
-  console.tell(solid);
-  console.tell(r);
+  console.report(solid);
+  console.report(r);
 
-  say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
-  console.say(summary_of(r));
+  print_mesh(a.output.file, made.mesh, r.components, r.closed, console);
+  console.print(summary_of(r));
 }
 
 }  // namespace
@@ -41,13 +41,13 @@ void run_csg(const CsgArguments& a, Console& console) {
 Command add_csg(CommandLine& app) {
   CommandLine& c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
-  c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
+  c.add_option("expression", a->expression, "Expression in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
       "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
       "dashes\n"
-      "or blanks in quotes), what is above a value in a volume (data.vtu[Temp=300]) and\n"
+      "or blanks in quotes), the region above a value in a volume (data.vtu[Temp=300]) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
       "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"
@@ -63,7 +63,7 @@ Command add_csg(CommandLine& app) {
       "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
       "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
       "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");
-  c.tells({told<SolidModel>(), told<CsgMeshReport>()});
+  c.announce({report_of<SolidModel>(), report_of<CsgMeshReport>()});
   return {&c, [a](Console& console) { run_csg(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh curvature: principal curvatures of a scan as attributes and as a picture.
+// Command `curvature`: principal curvatures of a scan as attributes and as a picture.
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>
@@ -55,11 +55,11 @@ void run_curvature(const CurvatureArguments& a, Console& console) {
     write_points(a.output, made.points, {.ascii = a.ascii});
   }
   if (!a.preview.empty()) a.picture.write(a.preview, preview.image, preview.made_with);
-  console.tell(a.input.told(read, made.points.size()), "input");
-  console.tell(r);
-  console.tell(ToldFile{a.output}, "output");
-  console.say_of(name + " (" + read.format + ")", summary_of(made));
-  console.say(
+  console.report(a.input.report(read, made.points.size()), "input");
+  console.report(r);
+  console.report(FileReport{a.output}, "output");
+  console.print_named(name + " (" + read.format + ")", summary_of(made));
+  console.print(
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} up to ±{}",
                   a.output, quantity_word(r.color_by), length(r.color_range)));
 }
@@ -72,7 +72,7 @@ Command add_curvature(CommandLine& app) {
   CurvatureArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output,
-               "Points or mesh to write with attributes: .ply .csv .pcd .vtp, of meshes .glb (others: colours only)")
+               "Points or mesh to write with attributes: .ply .csv .pcd .vtp, .glb for meshes (others: colours only)")
       .writes({".ply", ".csv", ".pcd", ".vtp", ".glb"})
       .required();
   add_preview_option(c, a.preview, "the coloured points");
@@ -80,14 +80,13 @@ Command add_curvature(CommandLine& app) {
   add_picture_options(c, a.picture);
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "unit"}});
   add_schema(c, a.options, {.without = {"bar", "unit"}});
-  c.footer(
-      std::string(kReadable) +
-      "\n\nCurvatures are per length of the input, positive where the surface is convex. Those of a mesh are at its "
-      "vertices."
-      "\n\nExamples:\n"
-      "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
-      "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
-  c.tells({told<ReadCloud>("input"), told<CurvatureReport>(), told<ToldFile>("output")});
+  c.footer(std::string(kReadable) +
+           "\n\nCurvatures are per length of the input, positive where the surface is convex. A mesh has them at its "
+           "vertices."
+           "\n\nExamples:\n"
+           "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
+           "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
+  c.announce({report_of<ReadCloud>("input"), report_of<CurvatureReport>(), report_of<FileReport>("output")});
   return {&c, [shared](Console& console) { run_curvature(*shared, console); }};
 }
 

@@ -1,9 +1,8 @@
-// sansmesh deform: anything by handles, or by a map of displacements.
+// Command `deform`: deforms clouds, meshes, functions, solids and volumes.
 #include "sansmesh/deform.h"
 
 #include <fmt/core.h>
 
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -20,7 +19,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct DeformArguments {
-  VolumeInput input;  ///< its files are also those of clouds, or an expression
+  VolumeInput input;  ///< files are also those of clouds, or an expression
   DeformationInput deformation;
   DeformOptions options;
   DeformationMapOptions map;
@@ -32,20 +31,20 @@ struct DeformArguments {
   DeformAim aim() const { return deform_aim(output); }
 };
 
-/// All that can be told before anything is read.
+/// Checks everything that can be checked before reading.
 DeformKind check_deform(DeformArguments& a) {
   const bool vti = a.output.ends_with(".vti");
   a.options.look.picture = a.picture.chosen();
-  if (a.aim() == DeformAim::picture) a.colors.put_into(a.options.look);
+  if (a.aim() == DeformAim::picture) a.colors.apply_to(a.options.look);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
   a.options.validate(a.aim());
   require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
   require(!a.all_arrays || a.input.array.empty(), "give --array or --all-arrays, not both");
-  require(!a.all_arrays || vti, "--all-arrays needs a format of several arrays: -o FILE.vti");
+  require(!a.all_arrays || vti, "--all-arrays needs a format with several arrays: -o FILE.vti");
   require(!a.map.nodes || vti, "--displacement-map is written as -o FILE.vti");
-  require(!a.map.nodes || !a.options.frames, "--displacement-map is of one deformation: without --frames");
+  require(!a.map.nodes || !a.options.frames, "--displacement-map excludes --frames");
   a.map.box = a.options.box;
   const bool volume = a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays;
   DeformKind kind = deform_kind(a.input.files);
@@ -54,35 +53,35 @@ DeformKind check_deform(DeformArguments& a) {
   return kind;
 }
 
-DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& said,
+DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& summary,
                            Console& console) {
   if (kind == DeformKind::points) {
     const CloudInput cloud{a.input.files, {}, {}, {}};
     ReadReport read;
     PointSet points = cloud.read(console, read);
-    console.tell(cloud.told(read, points.size()), "input");
+    console.report(cloud.report(read, points.size()), "input");
     if (a.aim() == DeformAim::shape && !a.map.nodes)
       check_writable(a.output, points.triangles.empty() ? "points" : "mesh");
     return points;
   }
   if (kind == DeformKind::solid) {
     SolidModel solid = open_solid(a.input.files[0], console);
-    console.tell(solid, "input");
+    console.report(solid, "input");
     return solid;
   }
   VolumeModel volume = a.input.open(console);
-  if (a.map.nodes) {  // its box is all that matters
+  if (a.map.nodes) {  // only the box is needed
     DeformableVolume subject{
         .name = volume.name(), .samples = volume.samples(console.progress()), .fields = {}, .arrays = {}};
-    console.tell(a.input.told(volume, console.progress()), "input");
+    console.report(a.input.report(volume, console.progress()), "input");
     return subject;
   }
   std::vector<Note> notes;
   DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
   console.note(volume.name(), notes);
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell(subject, "output");
-  said = summary_of(volume, console.progress());
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report(subject, "output");
+  summary = summary_of(volume, console.progress());
   return subject;
 }
 
@@ -92,8 +91,8 @@ void run_deform(DeformArguments& a, Console& console) {
   const std::string name = a.input.name();
   const Deformation deformation = read_deformation(a.deformation, progress);
   a.options.validate(a.aim(), deformation);
-  std::vector<std::string> files, said;
-  const DeformSubject subject = read_subject(a, kind, said, console);
+  std::vector<std::string> files, summary;
+  const DeformSubject subject = read_subject(a, kind, summary, console);
   const UsePose write = [&](int pose, const DeformedPose& made) {
     files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(pose)) : a.output);
     progress.begin("write");
@@ -112,32 +111,33 @@ void run_deform(DeformArguments& a, Console& console) {
     made = deform(subject, name, deformation, a.aim(), a.options, write, progress);
   }
   console.note(name, made.notes);
-  console.tell(deformation, "deformation");
-  console.tell(made.report, "output");
-  console.tell_value("output.files", files);
-  console.say(said);
-  console.say(fmt::format("{}: {}", name, deformation.words()));
+  console.report(deformation, "deformation");
+  console.report(made.report, "output");
+  console.report_value("output.files", files);
+  console.print(summary);
+  console.print(fmt::format("{}: {}", name, deformation.words()));
   for (const std::string& line : summary_of(made.report))
-    console.say(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
+    console.print(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
   if (files.size() > 1)
-    console.say(fmt::format("{} to {}: {}", files.front(), files.back(), counted(files.size(), "pose")));
+    console.print(fmt::format("{} to {}: {}", files.front(), files.back(), counted(files.size(), "pose")));
 }
 
 }  // namespace
 
 Command add_deform(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("deform", "Anything, pulled at handles: cloud, mesh, function, solid, volume");
+  CommandLine& c =
+      app.add_subcommand("deform", "Cloud, mesh, function, solid or volume → the same, deformed by handles");
   auto shared = std::make_shared<DeformArguments>();
   DeformArguments& a = *shared;
   c.add_option("input", a.input.files,
-               "Mesh, points, function (.smf), expression as of csg, DATA[NAME=VALUE], or a volume")
+               "Mesh, points, function (.smf), expression of csg, DATA[NAME=VALUE], or a volume")
       .type_name("INPUT")
       .reads()
       .required();
   c.add_option(
        "-o,--output", a.output,
-       "Mesh or points as they came; of functions a mesh, a section (.svg, .csv); of volumes .vti, .mhd, .nrrd; "
-       "of all a picture (.png)")
+       "Mesh or points like the input; for functions a mesh or sections (.svg, .csv); for volumes .vti, .mhd, .nrrd; "
+       "always a picture (.png)")
       .writes({".ply", ".png", ".svg", ".csv", ".vti", ".mhd", ".nrrd"})
       .required();
   add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
@@ -147,30 +147,24 @@ Command add_deform(CommandLine& app) {
   add_schema(c, a.options, {.group = "Cuts", .only = {"cut_open"}});
 
   add_schema(c, a.options, {.group = "Meshes", .only = {"refine"}});
-  c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group("Meshes");
+  add_ascii_flag(c, a.ascii, "Meshes");
 
   const char* const functions = "Functions and solids";
   add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components", "plane"}});
-  c.add_option("--unit", a.unit, "mm, cm or in: the drawing is true to scale")
-      .type_name("UNIT")
-      .one_of({"mm", "cm", "in"})
-      .group(functions);
+  add_drawing_unit(c, a.unit, functions);
   add_schema(c, a.options, {.only = {"box"}});
 
   add_raw_options(c, a.input.read);
   add_volume_array(c, a.input);
   const char* const volumes = "Volumes";
-  c.add_flag("--all-arrays", a.all_arrays, "All arrays of the same samples (.vti)").group(volumes);
+  c.add_flag("--all-arrays", a.all_arrays, "Deform all arrays of the same samples (.vti)").group(volumes);
   add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
-  c.add_flag_callback(
-       "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
-       "Values outside of the volume are NaN: --outside nan")
-      .group(volumes);
+  add_nan_flag(c, a.options.lattice.outside, volumes);
   a.colors.add_options(c, volumes);
   add_schema(c, a.options.look, {.group = volumes, .only = {"clip", "shading"}});
   a.options.look.color_bar = true;
   c.add_flag_callback(
-       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Without the colour bar")
+       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Omit the colour bar")
       .group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
@@ -178,9 +172,9 @@ Command add_deform(CommandLine& app) {
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(
-      "Handles are places that went somewhere, all else follows: {\"handles\": [{\"p\": [x, y, z], \"q\": [x, y, z]}, "
+      "Handles move points p to q, and everything else follows: {\"handles\": [{\"p\": [x, y, z], \"q\": [x, y, z]}, "
       "…]}\n"
-      "(docs/formats/handles.md). A handle without q stays where it is: some that hold fast what is not to move.\n\n"
+      "(docs/formats/handles.md). A handle without q is fixed: use some for the parts that should not move.\n\n"
       "Examples:\n"
       "  sansmesh deform scan.ply --handles pull.json -o pulled.ply\n"
       "  sansmesh deform scan.ply --handles pull.csv --kind affine -o pose.png --frames 24 --draw-handles\n"
@@ -190,9 +184,10 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform solid.ply --handles open.json --cut 'half-plane(0,0,0; 0,0,1; 1,0,0)' -o opened.ply\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.vti --size 256\n"
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
-  c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"),
-           told<Deformation>("deformation"), told<DeformableVolume>("output"), told<DeformReport>("output"),
-           told_value<std::vector<std::string>>("output.files", "Files, a pose each")});
+  c.announce({report_of<ReadCloud>("input"), report_of<SolidModel>("input"), report_of<ReadVolume>("input"),
+              report_of<Deformation>("deformation"), report_of<DeformableVolume>("output"),
+              report_of<DeformReport>("output"),
+              value_of<std::vector<std::string>>("output.files", "Files, one per pose")});
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh diagnose: where a function should not be trusted without a look.
+// Command `diagnose`: finds doubtful regions of a function.
 #include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
@@ -47,7 +47,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   Image picture;
   std::vector<Image> pictures;
   if (!a.preview.empty()) picture = render_mesh(made.diagnosis.mesh, look, progress);
-  if (!a.pictures.empty()) pictures = draw_places(made, look, !a.separate, progress);
+  if (!a.pictures.empty()) pictures = draw_regions(made, look, !a.separate, progress);
   progress.begin("write");
   if (!a.script.empty()) write_text(a.script, edit_script(made.edits));
   if (!a.preview.empty()) a.picture.write(a.preview, picture, look);
@@ -56,46 +56,46 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
     files.push_back(a.separate ? frame_name(a.pictures, files.size() + 1) : a.pictures);
     write_image(files.back(), one);
   }
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(made);
-  if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
-  if (!a.pictures.empty()) console.tell_value("pictures", files);
+  console.report(FileReport{a.input}, "input");
+  console.report(made);
+  if (!a.script.empty()) console.report(FileReport{a.script}, "script");
+  if (!a.pictures.empty()) console.report_value("pictures", files);
 
-  console.say(fmt::format("{}: {}", a.input, counted(made.fits, "local fit")));
-  console.say(summary_of(made, !a.script.empty()));
+  console.print(fmt::format("{}: {}", a.input, counted(made.fits, "local fit")));
+  console.print(summary_of(made, !a.script.empty()));
   if (!a.script.empty())
-    console.say(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
+    console.print(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
   if (!a.preview.empty())
-    console.say(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
+    console.print(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
   if (!a.pictures.empty())
-    console.say(files.empty() ? a.pictures + ": not written, there is no place to look at"
-                              : WrittenPictures{files}.words() + ": the places, by their numbers");
+    console.print(files.empty() ? a.pictures + ": not written, there are no doubtful regions"
+                                : WrittenPictures{files}.words() + ": the regions, by number");
 }
 
 }  // namespace
 
 Command add_diagnose(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
+  CommandLine& c = app.add_subcommand("diagnose", "Function file → doubtful regions, a picture, and proposed edits");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
-  c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
-      .once_called("--script")
+  add_function_input(c, a->input);
+  c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step per region: .json")
+      .former_name("--script")
       .writes({".json"});
-  c.add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
+  c.add_option("--preview", a->preview, "Draw the surface with coloured doubtful regions into this PNG")
       .writes({".png"});
-  c.add_option("--pictures", a->pictures,
-               "Look at each place from outside, ringed, with its number in the list: all on one sheet, a PNG")
+  c.add_option("--pictures", a->pictures, "Draw each region from outside, ringed and numbered, on one sheet, a PNG")
       .writes({".png"});
-  c.add_flag("--separate", a->separate, "Instead of the sheet a file for each place: FILE_001.png, FILE_002.png, …");
+  c.add_flag("--separate", a->separate,
+             "Write one picture per region instead of the sheet: FILE_001.png, FILE_002.png, …");
   add_picture_options(c, a->picture);
   add_wireframe_options(c, a->picture.options);
   add_schema(c, a->options);
   c.footer(
       "Examples:\n"
       "  sansmesh diagnose scan.smf --preview scan.png --pictures places.png --script-output edits.json\n"
-      "  sansmesh edit scan.smf --script edits.json -o mended.smf");
-  c.tells({told<ToldFile>("input"), told<DiagnoseResult>(), told<ToldFile>("script"),
-           told_value<std::vector<std::string>>("pictures", "Pictures of the places")});
+      "  sansmesh edit scan.smf --script edits.json -o repaired.smf");
+  c.announce({report_of<FileReport>("input"), report_of<DiagnoseResult>(), report_of<FileReport>("script"),
+              value_of<std::vector<std::string>>("pictures", "Pictures of the regions")});
   return {&c, [a](Console& console) { run_diagnose(*a, console); }};
 }
 

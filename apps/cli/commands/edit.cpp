@@ -1,4 +1,4 @@
-// sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
+// Command `edit`: applies a script of edits to a function file and updates its mesh.
 #include "sansmesh/functions.h"
 
 #include <fmt/core.h>
@@ -52,37 +52,37 @@ void run_edit(const EditArguments& a, Console& console) {
   console.progress().begin("write");
   if (!a.output.empty()) write_function(a.output, made.function);
   if (!a.mesh_output.empty()) write_mesh(a.mesh_output, made.mesh);
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.mesh_output.empty()) tell_mesh(a.mesh_output, made.mesh, console, "mesh");
+  console.report(FileReport{a.input}, "input");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
+  if (!a.mesh_output.empty()) report_mesh(a.mesh_output, made.mesh, console, "mesh");
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
-    console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
-  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
+    console.print(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
+  if (!a.output.empty()) console.print(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
   const std::size_t triangles = made.mesh.triangles.size();
   if (!a.mesh_output.empty())
-    console.say(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
-                            a.mesh.empty() ? std::string() : words_of(made.update, triangles)));
+    console.print(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
+                              a.mesh.empty() ? std::string() : words_of(made.update, triangles)));
 }
 
 }  // namespace
 
 Command add_edit(CommandLine& app) {
   CommandLine& c =
-      app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
+      app.add_subcommand("edit", "Function file → function file, with parts refitted, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
-  c.add_option("--script", a->script, "What to do: JSON, see below").reads({".json"}).required();
+  add_function_input(c, a->input);
+  c.add_option("--script", a->script, "Edits as JSON, see below").reads({".json"}).required();
   c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"});
   c.add_option(
        "--mesh", a->mesh,
-       "The function's mesh before the edits, by `sansmesh mesh` without options: only what they change is made anew")
+       "Mesh of the function before the edits, by `sansmesh mesh` without options: only changed parts are meshed again")
       .reads(endings_read(kPoints));
   c.add_option("--mesh-output", a->mesh_output, "Mesh to write: " + listed_endings(endings_written(kMesh)))
       .writes(endings_written(kMesh));
   c.footer(
-      "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
+      "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and an action:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"
       "  {\"select\": {\"error_above\": 0.01}, \"refit\": {\"error\": 0.001, \"max_degree\": 4, \"sharp\": false}}\n"
       "  {\"select\": {\"sheets\": \"spurious\"}, \"remove\": true}\n"
@@ -90,11 +90,12 @@ Command add_edit(CommandLine& app) {
       "  {\"undo\": 1}\n"
       "Further selections: box, half_space, coverage_below, samples_below, level_from, level_to; all conditions "
       "must\n"
-      "hold, {} is everything. `sansmesh diagnose` writes such scripts.\n\n"
+      "hold, {} selects everything. `sansmesh diagnose` writes such scripts.\n\n"
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
-  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<WrittenMesh>("mesh")});
+  c.announce({report_of<FileReport>("input"), report_of<EditedFunction>(), report_of<FileReport>("output"),
+              report_of<WrittenMesh>("mesh")});
   return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 

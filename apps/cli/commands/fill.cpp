@@ -1,4 +1,4 @@
-// sansmesh fill: holes of a mesh, listed and filled.
+// Command `fill`: lists and fills the holes of a mesh.
 #include "sansmesh/repair.h"
 
 #include <fmt/core.h>
@@ -22,38 +22,38 @@ struct FillArguments {
 };
 
 void run_list(FillArguments& a, Console& console) {
-  if (!a.output.file.empty()) throw ArgumentError("--list lists holes and writes nothing: leave out --output");
+  if (!a.output.file.empty()) throw ArgumentError("--list only lists holes: omit --output");
   const HolesResult found = list_holes(a.input.read(console), console.progress());
   console.note(a.input.file, found.notes);
-  console.tell(found);
-  console.say(fmt::format("{}: {}", a.input.file, counted(found.triangles, "triangle")));
-  console.say(summary_of(found.holes, found.holes.loops.size()));
+  console.report(found);
+  console.print(fmt::format("{}: {}", a.input.file, counted(found.triangles, "triangle")));
+  console.print(summary_of(found.holes, found.holes.loops.size()));
 }
 
 void run_fill(FillArguments& a, Console& console) {
   a.options.validate();
   if (a.list) return run_list(a, console);
-  if (a.output.file.empty()) throw ArgumentError("--output is needed (or --list, which lists the holes)");
+  if (a.output.file.empty()) throw ArgumentError("--output is required (or --list, which lists the holes)");
   a.output.check();
   const FillResult made = fill(a.input.read(console), a.options, console.progress());
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made);
-  if (!console.says()) return;
-  console.say(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
-  console.say(summary_of(made, kMostLines));
-  if (made.report.found.loops.size() > kMostLines) console.say("(--list names all holes)");
+  console.report(made);
+  if (!console.prints_text()) return;
+  console.print(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
+  console.print(summary_of(made, kMostLines));
+  if (made.report.found.loops.size() > kMostLines) console.print("(--list shows all holes)");
 }
 
 }  // namespace
 
 Command add_fill(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("fill", "Mesh → mesh whose holes are filled, all or up to a size");
+  CommandLine& c = app.add_subcommand("fill", "Mesh → mesh with holes filled, all or up to a size");
   auto a = std::make_shared<FillArguments>();
   a->input.add_to(c);
   add_mesh_output(c, a->output, false);
-  c.add_flag("--list", a->list, "List the holes with their places and sizes, and write nothing");
+  c.add_flag("--list", a->list, "List the holes with positions and sizes, and write nothing");
   add_schema(c, a->options, {.without = {"share", "refine"}});
   c.footer(
       "A hole's diameter is the diagonal of its box. Colours and attributes of the fillings come from the border.\n\n"
@@ -61,7 +61,7 @@ Command add_fill(CommandLine& app) {
       "  sansmesh fill scan.ply --list\n"
       "  sansmesh fill scan.ply -o closed.ply\n"
       "  sansmesh fill scan.ply -o patched.ply --largest 5");
-  c.tells({told<HolesResult>(), told<FillResult>()});
+  c.announce({report_of<HolesResult>(), report_of<FillResult>()});
   return {&c, [a](Console& console) { run_fill(*a, console); }};
 }
 

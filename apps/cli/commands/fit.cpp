@@ -1,4 +1,4 @@
-// sansmesh fit: points in, function file out.
+// Command `fit`: fits a function to points.
 #include "sansmesh/functions.h"
 #include "sansmesh/jobs/fit_words.h"
 
@@ -36,23 +36,23 @@ void run_fit(const FitArguments& a, Console& console) {
   console.note(a.input.name(), notes);
   console.progress().begin("write");
   write_function(a.output, function, !a.without_samples);
-  console.tell(a.input.told(read, given), "input");
+  console.report(a.input.report(read, given), "input");
   const FunctionInfo f = info(function);
-  console.tell(f);
-  console.tell(scale);
-  console.tell(report);
-  console.tell(ToldFile{a.output}, "output");
-  console.tell_value("output.samples", a.without_samples ? 0 : function.samples());
+  console.report(f);
+  console.report(scale);
+  console.report(report);
+  console.report(FileReport{a.output}, "output");
+  console.report_value("output.samples", a.without_samples ? 0 : function.samples());
 
-  console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
-  console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
-                          scale.noise_words(), length(f.accuracy)));
-  console.say(normals_made(report.estimated_normals, report.oriented_by));
-  if (!report.alignment.empty()) console.say(report.alignment);
-  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(f.fits, "local fit"), f.depth,
-                          grouped(f.creased), a.without_samples ? ", without samples" : ""));
+  console.print(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
+  console.print(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
+                            scale.noise_words(), length(f.accuracy)));
+  console.print(normals_made(report.estimated_normals, report.oriented_by));
+  if (!report.alignment.empty()) console.print(report.alignment);
+  console.print(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(f.fits, "local fit"),
+                            f.depth, grouped(f.creased), a.without_samples ? ", without samples" : ""));
   if (f.paper)
-    for (const std::string& line : paper_words(*f.paper, f.fits_of_degree)) console.say(line);
+    for (const std::string& line : paper_words(*f.paper, f.fits_of_degree)) console.print(line);
 }
 
 }  // namespace
@@ -64,11 +64,11 @@ void check_function_writable(const std::string& file) {
 }
 
 Command add_fit(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
+  CommandLine& c = app.add_subcommand("fit", "Points → function file, the input of mesh, probe, edit, …");
   auto a = std::make_shared<FitArguments>();
   add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"}).required();
-  c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
+  c.add_flag("--without-samples", a->without_samples, "Write a smaller file, which cannot be refitted");
   add_schema(c, a->options.cloud, {.without = {"class"}});
   add_fit_options(c, a->options.fit);
   c.footer(std::string(kReadable) +
@@ -76,8 +76,9 @@ Command add_fit(CommandLine& app) {
            "  sansmesh fit scan.ply -o scan.smf\n"
            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
            "  sansmesh diagnose scan.smf");
-  c.tells({told<ReadCloud>("input"), told<FunctionInfo>(), told<CloudScale>(), told<FitFunctionReport>(),
-           told<ToldFile>("output"), told_value<std::size_t>("output.samples", "Samples that were written with it")});
+  c.announce({report_of<ReadCloud>("input"), report_of<FunctionInfo>(), report_of<CloudScale>(),
+              report_of<FitFunctionReport>(), report_of<FileReport>("output"),
+              value_of<std::size_t>("output.samples", "Samples in the file")});
   return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh flow: what is done with flows, each a command of its own.
+// Command `flow`: group of commands on flows.
 #include "cli/input/volume_input.h"
 #include "cli/line/commands.h"
 

@@ -1,4 +1,4 @@
-// sansmesh flow lines: stream, path, streak and time lines.
+// Command `flow lines`: stream, path, streak and time lines.
 #include "sansmesh/flow.h"
 
 #include <fmt/core.h>
@@ -27,7 +27,7 @@ struct FlowLinesArguments {
   bool ascii = false;
 };
 
-/// All that can be told before anything is read.
+/// Checks everything that can be checked before reading.
 void check_flow_lines(FlowLinesArguments& a) {
   check_writable(a.output, "lines");
   a.options.validate();
@@ -38,7 +38,7 @@ void check_flow_lines(FlowLinesArguments& a) {
   }
   a.drawn.picture = a.picture.chosen();
   a.drawn.any_view = !a.picture.has_view();
-  a.drawn.validate(usual_color(a.options.lines));
+  a.drawn.validate(default_color(a.options.lines));
   check_writable(a.preview, "image");
 }
 
@@ -49,22 +49,22 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   a.drawn.check_color(arrays_along_lines(flow, a.options));
   const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
   std::optional<LinePicture> picture;
-  if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
+  if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, default_color(a.options.lines), progress);
   progress.begin("write");
   write_lines(a.output, made.lines, {a.ascii});
   if (picture) a.picture.write(a.preview, picture->image, picture->made_with);
   console.note(flow.source(), made.notes);
-  console.tell(a.input.told(flow, progress), "input");
-  console.tell(ToldFile{a.output}, "output");
-  console.tell_value("output.lines", made.lines.size());
-  console.tell_value("output.points", made.lines.positions.size());
-  console.tell(made.report);
-  if (picture) console.tell(ToldFile{a.preview}, "preview"), console.tell(*picture, "preview");
+  console.report(a.input.report(flow, progress), "input");
+  console.report(FileReport{a.output}, "output");
+  console.report_value("output.lines", made.lines.size());
+  console.report_value("output.points", made.lines.positions.size());
+  console.report(made.report);
+  if (picture) console.report(FileReport{a.preview}, "preview"), console.report(*picture, "preview");
 
-  console.say_of(flow.name(), summary_of(made));
+  console.print_named(flow.name(), summary_of(made));
   if (picture)
-    console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
-                            picture->lower, picture->upper, length(picture->radius)));
+    console.print(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview,
+                              picture->color_by, picture->lower, picture->upper, length(picture->radius)));
 }
 
 }  // namespace
@@ -90,9 +90,10 @@ Command add_flow_lines(CommandLine& flow) {
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
            "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
            "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --duration 10 -o column.csv");
-  c.tells({told<ReadFlow>("input"), told<ToldFile>("output"), told_value<std::size_t>("output.lines", "Lines"),
-           told_value<std::size_t>("output.points", "Points of all lines"), told<FlowLineReport>(),
-           told<ToldFile>("preview"), told<LinePicture>("preview")});
+  c.announce({report_of<ReadFlow>("input"), report_of<FileReport>("output"),
+              value_of<std::size_t>("output.lines", "Lines"),
+              value_of<std::size_t>("output.points", "Points of all lines"), report_of<FlowLineReport>(),
+              report_of<FileReport>("preview"), report_of<LinePicture>("preview")});
   return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh flow render: pictures of stream, path, streak and time surfaces.
+// Command `flow render`: pictures of stream, path, streak and time surfaces.
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,11 +39,11 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const FlowPicturesResult made =
       flow_pictures(flow, a.options, contents.surfaces(), files.writer(), console.progress());
   console.note(flow.source(), made.notes);
-  console.tell(a.input.told(flow, console.progress()), "input");
-  console.tell(files.written(), "output");
-  console.tell(made);
-  console.say_of(flow.name(), summary_of(made.surface));
-  console.say(files.written().size_line());
+  console.report(a.input.report(flow, console.progress()), "input");
+  console.report(files.written(), "output");
+  console.report(made);
+  console.print_named(flow.name(), summary_of(made.surface));
+  console.print(files.written().size_line());
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ Command add_flow_render(CommandLine& flow) {
   auto shared = std::make_shared<FlowRenderArguments>();
   FlowRenderArguments& a = *shared;
   add_flow_surface_input(c, a.input, a.options.trace);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   add_schema(c, a.options,
              {.group = "Look",
               .only = {"streaks", "streak_length", "streak_width", "streak_contrast", "splats", "opacity", "arrows",
@@ -72,7 +72,7 @@ Command add_flow_render(CommandLine& flow) {
            "--opacity 0.5\n"
            "  sansmesh flow render eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.png "
            "--frames 24");
-  c.tells({told<ReadFlow>("input"), told<WrittenPictures>("output"), told<FlowPicturesResult>()});
+  c.announce({report_of<ReadFlow>("input"), report_of<WrittenPictures>("output"), report_of<FlowPicturesResult>()});
   return {&c, [shared](Console& console) { run_flow_render(*shared, console); }};
 }
 

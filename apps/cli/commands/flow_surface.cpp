@@ -1,4 +1,4 @@
-// sansmesh flow surface: stream, path, streak and time surfaces.
+// Command `flow surface`: stream, path, streak and time surfaces.
 #include "sansmesh/flow.h"
 
 #include <fmt/core.h>
@@ -27,12 +27,12 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   const TriangleMesh& mesh = made.surface.mesh;
   a.mesh.write(mesh, console);
   console.note(flow.source(), made.notes);
-  console.tell(a.input.told(flow, console.progress()), "input");
-  console.tell(made);
+  console.report(a.input.report(flow, console.progress()), "input");
+  console.report(made);
 
-  console.say_of(flow.name(), summary_of(made.surface.report));
-  console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), made.area));
+  console.print_named(flow.name(), summary_of(made.surface.report));
+  console.print(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
+                            grouped(mesh.vertices.size()), made.area));
 }
 
 }  // namespace
@@ -43,12 +43,13 @@ Command add_flow_surface(CommandLine& flow) {
   add_flow_surface_input(c, shared->input, shared->options);
   add_mesh_output(c, shared->mesh);
   c.footer(
-      std::string("The mesh has for each vertex s (place on the curve), time, speed and front.\n") + kFlowsByFormula +
+      std::string("The vertices of the mesh have s (position on the curve), time, speed and front.\n") +
+      kFlowsByFormula +
       "Examples:\n"
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"
       "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o tube.ply");
-  c.tells({told<ReadFlow>("input"), told<TraceSurfaceResult>()});
+  c.announce({report_of<ReadFlow>("input"), report_of<TraceSurfaceResult>()});
   return {&c, [shared](Console& console) { run_flow_surface(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh info: what is in a file?
+// Command `info`: describes the contents of a file.
 #include "sansmesh/points.h"
 #include "sansmesh/volumes.h"
 
@@ -21,11 +21,11 @@ namespace {
 void run_function_info(const std::string& file, Console& console) {
   console.progress().begin("read");
   const FunctionInfo made = info(read_function(file));
-  console.tell(ToldFile{file});
-  console.tell_value("format", "function");
-  console.tell(made);
-  console.say(fmt::format("{}: function, partition of unity", file));
-  console.say(summary_of(made));
+  console.report(FileReport{file});
+  console.report_value("format", "function");
+  console.report(made);
+  console.print(fmt::format("{}: function, partition of unity", file));
+  console.print(summary_of(made));
 }
 
 void run_info(const CloudInput& input, Console& console) {
@@ -33,11 +33,11 @@ void run_info(const CloudInput& input, Console& console) {
   ReadReport read;
   const PointSet points = input.read(console, read);
   const CloudInfo made = info(points, console.progress());
-  console.tell(input.told(read, made.points));
-  console.tell(made);
+  console.report(input.report(read, made.points));
+  console.report(made);
 
-  console.say(fmt::format("{}: {}", input.name(), read.format));
-  console.say(summary_of(made));
+  console.print(fmt::format("{}: {}", input.name(), read.format));
+  console.print(summary_of(made));
 }
 
 void run_volume_info(const VolumeInput& input, Console& console) {
@@ -45,15 +45,15 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   any.bare = true;
   VolumeModel volume = any.open(console);
   const VolumeInfo made = volume_info(volume, console.progress());
-  console.tell(input.told());
-  console.tell(made);
-  console.say(fmt::format("{}: {}", input.name(), made.format));
-  console.say(summary_of(made));
+  console.report(input.report());
+  console.report(made);
+  console.print(fmt::format("{}: {}", input.name(), made.format));
+  console.print(summary_of(made));
 }
 
-/// `said`: the files were said to be a volume.
-void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Console& console) {
-  if (!said && !are_volumes(input.files) && !volume.read.raw.given()) return run_info(input, console);
+/// `marked`: the word `data` marked the files as a volume.
+void run_any_info(const CloudInput& input, VolumeInput volume, bool marked, Console& console) {
+  if (!marked && !are_volumes(input.files) && !volume.read.raw.given()) return run_info(input, console);
   volume.files = input.files;
   run_volume_info(volume, console);
 }
@@ -62,13 +62,13 @@ void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Consol
 
 Command add_info(CommandLine& app) {
   CommandLine& c = app.add_subcommand("info",
-                                      "File → what is in it: points, box, spacing, noise, normals, faces; grid "
+                                      "File → description: points, box, spacing, noise, normals, faces; grid "
                                       "and arrays of volumes");
   auto input = std::make_shared<CloudInput>();
   auto volume = std::make_shared<VolumeInput>();
   add_cloud_input(
       c, *input,
-      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` takes points for samples of a "
+      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` treats points as samples of a "
       "volume",
       false);
   add_raw_options(c, volume->read);
@@ -80,27 +80,27 @@ Command add_info(CommandLine& app) {
            "  sansmesh info fire.vtu\n"
            "  sansmesh info data samples.csv");
   auto as_one = std::make_shared<bool>(false);
-  c.add_flag("--as-one", *as_one, "Several files (tiles, blocks) are one cloud, or one volume");
-  c.tells({told<ReadCloud>(), told<CloudInfo>(), told<ToldFile>(),
-           told_value<std::string>("format", "Format of the file"), told<FunctionInfo>(), told<ReadFiles>(),
-           told<VolumeInfo>()});
+  c.add_flag("--as-one", *as_one, "Read several files (tiles, blocks) as one cloud or volume");
+  c.announce({report_of<ReadCloud>(), report_of<CloudInfo>(), report_of<FileReport>(),
+              value_of<std::string>("format", "Format of the file"), report_of<FunctionInfo>(), report_of<ReadFiles>(),
+              report_of<VolumeInfo>()});
   return {&c, [input, volume, as_one, &c](Console& console) {
-            const bool said = says_volume(input->files);
-            if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, said, console);
+            const bool marked = take_volume_word(input->files);
+            if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, marked, console);
             console.list_results();
-            bool told = false;
+            bool printed = false;
             for (const std::string& file : input->files) {
               CloudInput one = *input;
               one.files = {file};
-              if (std::exchange(told, true)) console.say("");
+              if (std::exchange(printed, true)) console.print("");
               try {
-                run_any_info(one, *volume, said, console);
+                run_any_info(one, *volume, marked, console);
                 console.end_result();
               } catch (const FileError& error) {
-                told = false;
+                printed = false;
                 console.fail(file, words_of_file_error(error, c));
               } catch (const DataError& error) {
-                told = false;
+                printed = false;
                 console.fail(file, file + ": " + console.in_flags(error.what()));
               }
             }

@@ -1,4 +1,4 @@
-// sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
+// Command `measure`: area, volume, centre of mass, moments and size of a solid and its parts.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -20,13 +20,13 @@ void run_measure(const CloudInput& input, Console& console) {
   const MeasureResult made = measure(opened.surface, console.progress());
   const SolidMeasures& m = made.measures;
   console.note(file, made.notes);
-  console.tell(opened.told, "input");
-  console.tell(m);
+  console.report(opened.report, "input");
+  console.report(m);
 
-  console.say(
+  console.print(
       fmt::format("{}: {} vertices, {}", file, grouped(m.topology.vertices), counted(m.whole.triangles, "triangle")));
-  console.say(summary_of(m));
-  console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
+  console.print(summary_of(m));
+  console.print("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 }
 
 }  // namespace
@@ -34,18 +34,16 @@ void run_measure(const CloudInput& input, Console& console) {
 Command add_measure(CommandLine& app) {
   CommandLine& c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
   auto input = std::make_shared<CloudInput>();
-  c.add_option(
-       "input", input->files,
-       "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (their mesh is measured); several meshes are one body")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(
+      c, "input", input->files,
+      "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (measured by their mesh); several meshes are one body");
   c.footer(
-      "Volumes need a closed surface. Borders that lie on each other, edge on edge, count as joined. Components are\n"
+      "Volumes need a closed surface. Coincident borders, edge on edge, count as joined. Components are\n"
       "listed with --json, up to a thousand of them.\n\n"
       "Examples:\n"
       "  sansmesh measure part.ply\n"
       "  sansmesh measure part.stl --json");
-  c.tells({told<ReadSurface>("input"), told<SolidMeasures>()});
+  c.announce({report_of<ReadSurface>("input"), report_of<SolidMeasures>()});
   return {&c, [input](Console& console) { run_measure(*input, console); }};
 }
 

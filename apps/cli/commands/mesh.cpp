@@ -1,4 +1,4 @@
-// sansmesh mesh: function file in, mesh out.
+// Command `mesh`: meshes a function file.
 #include <fmt/core.h>
 
 #include "cli/input/cloud_input.h"
@@ -29,16 +29,16 @@ void run_mesh(MeshArguments& a, Console& console) {
   console.note(a.input, notes);
   a.output.write(mesh, console);
   const std::size_t fits = info(function).fits;
-  console.tell(ToldFile{a.input}, "input");
-  console.tell_value("input.fits", fits);
-  console.tell(report);
-  if (!console.says()) return;
+  console.report(FileReport{a.input}, "input");
+  console.report_value("input.fits", fits);
+  console.report(report);
+  if (!console.prints_text()) return;
 
-  console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
+  console.print(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   const MeshTopology topology = measure_topology(mesh);
-  say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
-  if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
-  if (a.options.measure_quality) console.say(aspect_words(report));
+  print_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
+  if (report.simplices > 0) console.print("traversed " + grouped(report.simplices) + " simplices");
+  if (a.options.measure_quality) console.print(aspect_words(report));
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ void run_mesh(MeshArguments& a, Console& console) {
 Command add_mesh(CommandLine& app) {
   CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed where it bounds a solid");
   auto a = std::make_shared<MeshArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_function_input(c, a->input);
   add_mesh_output(c, a->output);
   add_mesh_options(c, a->options);
   add_schema(c, a->options, {.only = {"box"}});
@@ -57,8 +57,8 @@ Command add_mesh(CommandLine& app) {
       "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
-  c.tells({told<ToldFile>("input"), told_value<std::size_t>("input.fits", "Local fits of the function"),
-           told<MeshReport>()});
+  c.announce({report_of<FileReport>("input"), value_of<std::size_t>("input.fits", "Local fits of the function"),
+              report_of<MeshReport>()});
   return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh normals: estimate and orient the normals of a cloud.
+// Command `normals`: estimates and orients the normals of a cloud.
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>
@@ -33,11 +33,11 @@ void run_normals(const NormalsArguments& a, Console& console) {
   console.note(name, made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
-  console.tell(a.input.told(read, made.points.size()), "input");
-  console.tell(made.report);
-  console.tell(ToldFile{a.output}, "output");
-  console.say(fmt::format("{} ({}) → {}", name, read.format, a.output));
-  console.say(summary_of(made));
+  console.report(a.input.report(read, made.points.size()), "input");
+  console.report(made.report);
+  console.report(FileReport{a.output}, "output");
+  console.print(fmt::format("{} ({}) → {}", name, read.format, a.output));
+  console.print(summary_of(made));
 }
 
 }  // namespace
@@ -47,16 +47,14 @@ Command add_normals(CommandLine& app) {
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
-  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .writes(endings_written(kPoints))
-      .required();
+  add_points_output(c, a.output);
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh normals scan.xyz -o oriented.ply\n"
            "  sansmesh normals scan.xyz -o oriented.ply --neighbours 30 --orient-by up");
-  c.tells({told<ReadCloud>("input"), told<NormalsReport>(), told<ToldFile>("output")});
+  c.announce({report_of<ReadCloud>("input"), report_of<NormalsReport>(), report_of<FileReport>("output")});
   return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }
 

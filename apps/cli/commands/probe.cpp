@@ -1,7 +1,5 @@
-// sansmesh probe: value, gradient and curvature of a function at points.
+// Command `probe`: value, gradient and curvature of a function at points.
 #include "sansmesh/functions.h"
-
-#include <fmt/core.h>
 
 #include "cli/input/cloud_input.h"
 #include "cli/line/commands.h"
@@ -15,13 +13,13 @@ namespace {
 
 struct ProbeArguments {
   std::string input, output;
-  CloudInput points;  ///< without files: none
+  CloudInput points;  ///< optional
   std::vector<double> at;
   bool ascii = false;
 };
 
 PointSet points_of(const ProbeArguments& a, Console& console) {
-  if (a.points.files.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
+  if (a.points.files.empty() == a.at.empty()) throw ArgumentError("give either --points FILE or --at x,y,z");
   PointSet points;
   if (!a.points.files.empty()) {
     ReadReport read;
@@ -30,9 +28,9 @@ PointSet points_of(const ProbeArguments& a, Console& console) {
     points.triangle_attributes.clear();
     return points;
   }
-  require(!a.points.classes, "--class and --without-class choose among --points");
+  require(!a.points.classes, "--class and --without-class select among --points");
   points.origin = {a.at[0], a.at[1], a.at[2]};
-  for (const Vec3& place : places_at(a.at)) points.positions.push_back(Vec3f(place - points.origin));
+  for (const Vec3& x : query_points(a.at)) points.positions.push_back(Vec3f(x - points.origin));
   return points;
 }
 
@@ -42,47 +40,47 @@ void run_probe(const ProbeArguments& a, Console& console) {
   progress.begin("read");
   const SurfaceFunction function = read_function(a.input);
   PointSet points = points_of(a, console);
-  // --at is used as it is typed: single precision would change it.
-  const std::vector<Vec3> places = a.at.empty() ? places_of(points) : places_at(a.at);
-  const ProbeFunctionResult made = probe_function(function, places, progress);
+  // Values of --at are used in double precision.
+  const std::vector<Vec3> x = a.at.empty() ? positions_of(points) : query_points(a.at);
+  const ProbeFunctionResult made = probe_function(function, x, progress);
   if (!a.output.empty()) {
     progress.begin("write");
     made.add_to(points.attributes);
     write_points(a.output, points, {.ascii = a.ascii});
   }
   const ProbeFunctionReport& r = made.report;
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(r);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  console.report(FileReport{a.input}, "input");
+  console.report(r);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
 
-  console.say_of(a.input, summary_of(made));
-  if (r.points <= kListedPoints) console.tell(made.values, "values");
+  console.print_named(a.input, summary_of(made));
+  if (r.points <= kListedPoints) console.report(made.values, "values");
 }
 
 }  // namespace
 
 Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
-  c.once_called("eval");
+  c.former_name("eval");
   auto a = std::make_shared<ProbeArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
-  c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
+  add_function_input(c, a->input);
+  c.add_option("--points", a->points.files, "File of query points; may be repeated (tiles)")
       .reads(endings_read(kPoints))
       .repeated();
   add_class_options(c, a->points);
-  c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
+  c.add_option("--at", a->at, "Query point x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")
       .writes({".ply", ".csv", ".pcd", ".vtp"});
   add_ascii_flag(c, a->ascii);
   c.footer(
-      "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
-      "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
+      "The value is approximately the distance to the surface, negative inside, in the unit of the input. k1 and k2\n"
+      "are the principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
       "Examples:\n"
       "  sansmesh probe scan.smf --at 0.1,0.2,0.3\n"
       "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
       "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
-  c.tells({told<ToldFile>("input"), told<ProbeFunctionReport>(), told<ToldFile>("output"),
-           told_list<ProbedPlace>("values")});
+  c.announce({report_of<FileReport>("input"), report_of<ProbeFunctionReport>(), report_of<FileReport>("output"),
+              reports_of<ProbedPoint>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

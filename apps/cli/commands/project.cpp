@@ -1,4 +1,4 @@
-// sansmesh project: points onto the surface of samples; resampling, denoising, consolidation.
+// Command `project`: projects points onto the surface of samples; resamples, denoises and consolidates clouds.
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>
@@ -31,7 +31,7 @@ void run_project(const ProjectArguments& a, Console& console) {
   ReadReport read;
   CloudInput input = a.input, samples_of = a.onto;
   const bool itself = samples_of.files.empty();
-  if (!itself) samples_of.classes = std::exchange(input.classes, {});  // they choose among the samples
+  if (!itself) samples_of.classes = std::exchange(input.classes, {});  // they select samples
   ProjectInput given{.points = input.read(console, read), .name = input.name()};
   const std::size_t count = given.points.size();
   if (ReadReport read_onto; !itself) {
@@ -42,17 +42,17 @@ void run_project(const ProjectArguments& a, Console& console) {
   console.note(input.name(), made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
-  console.tell(input.told(read, count), "input");
-  console.tell(made.report);
-  console.tell(WrittenPoints{a.output, made.points.size()}, "output");
+  console.report(input.report(read, count), "input");
+  console.report(made.report);
+  console.report(WrittenPoints{a.output, made.points.size()}, "output");
 
   const SurfaceProjection& r = made.report.moved;
-  console.say(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
+  console.print(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
   if (made.report.method != "lop" && !a.options.point_count)
-    console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
-                            length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
-  console.say(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
-                          made.points.has_normals() ? ", with normals" : ""));
+    console.print(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
+                              length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
+  console.print(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
+                            made.points.has_normals() ? ", with normals" : ""));
 }
 
 }  // namespace
@@ -61,12 +61,10 @@ Command add_project(CommandLine& app) {
   CommandLine& c = app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
-  add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
-  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .writes(endings_written(kPoints))
-      .required();
+  add_cloud_input(c, a.input, "Points to move");  // --class selects among the samples of --onto, if given
+  add_points_output(c, a.output);
   c.add_option("--onto", a.onto.files,
-               "Samples of the surface; may be repeated (tiles) [the input itself: this denoises]")
+               "Samples of the surface; may be repeated (tiles) [the input itself, which denoises]")
       .reads(endings_read(kPoints))
       .repeated();
   add_ascii_flag(c, a.ascii);
@@ -78,7 +76,7 @@ Command add_project(CommandLine& app) {
            "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
            "  sansmesh project scan.ply -o dense.ply --point-count 1000000\n"
            "  sansmesh project outliers.ply -o even.ply --method lop --point-count 20000");
-  c.tells({told<ReadCloud>("input"), told<ProjectReport>(), told<WrittenPoints>("output")});
+  c.announce({report_of<ReadCloud>("input"), report_of<ProjectReport>(), report_of<WrittenPoints>("output")});
   return {&c, [shared](Console& console) { run_project(*shared, console); }};
 }
 

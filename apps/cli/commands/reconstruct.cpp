@@ -1,4 +1,4 @@
-// sansmesh reconstruct: points in, mesh out.
+// Command `reconstruct`: reconstructs a mesh from points.
 #include <fmt/core.h>
 
 #include <string>
@@ -37,22 +37,22 @@ void run_reconstruct(const ReconstructArguments& a, Console& console) {
       naming(name, console, [&] { return reconstruct(std::move(points), a.options, console.progress()); });
   console.note(name, made.notes);
   a.output.write(made.mesh, console);
-  console.tell(a.input.told(read, count), "input");
-  console.tell(scale);
-  console.tell(made.report);
-  console.tell_stages();
-  if (!console.says()) return;
+  console.report(a.input.report(read, count), "input");
+  console.report(scale);
+  console.report(made.report);
+  console.report_stages();
+  if (!console.prints_text()) return;
 
   const ReconstructReport& r = made.report;
-  console.say(fmt::format("{}: {}, {} ({})", name, counted(count, "point"), size, read.format));
+  console.print(fmt::format("{}: {}, {} ({})", name, counted(count, "point"), size, read.format));
   std::vector<std::string> lines = summary_of(r, a.options);
   lines[0] = fmt::format("spacing {}, noise {}, {}", length(scale.spacing), scale.noise_words(), lines[0]);
-  console.say(lines);
+  console.print(lines);
   // A closed partition is closed by construction.
   const bool closed =
       (!a.options.other_surface() && !a.options.mesh.trim && !r.open) || measure_topology(made.mesh).closed();
-  say_mesh(a.output.file, made.mesh, static_cast<std::size_t>(r.components), closed, console);
-  if (a.options.mesh.measure_quality) console.say(aspect_words(r));
+  print_mesh(a.output.file, made.mesh, static_cast<std::size_t>(r.components), closed, console);
+  if (a.options.mesh.measure_quality) console.print(aspect_words(r));
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ Command add_reconstruct(CommandLine& app) {
   add_mesh_options(c, a.options.mesh);
   add_cloud_options(c, a.options.cloud);
   add_fit_options(c, a.options.fit);
-  add_surface(c, a.options.surface, a.options.cloud, "Cut another surface out, as it stands");
+  add_surface(c, a.options.surface, a.options.cloud, "Mesh this surface instead");
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
@@ -75,10 +75,10 @@ Command add_reconstruct(CommandLine& app) {
            "  sansmesh reconstruct scans.conf -o object.ply --align\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
-  c.tells({told<ReadCloud>("input"), told<CloudScale>(), told<ReconstructReport>()});
+  c.announce({report_of<ReadCloud>("input"), report_of<CloudScale>(), report_of<ReconstructReport>()});
   return {&c, [shared](Console& console) {
             if (shared->options.surface.normal == SurfaceOptions::Normal::iterated)
-              throw ArgumentError("--normal iterated is for pictures and points: meshes have no normals but their own");
+              throw ArgumentError("--normal iterated is for pictures and points, not for meshes");
             run_reconstruct(*shared, console);
           }};
 }

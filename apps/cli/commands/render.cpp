@@ -1,4 +1,4 @@
-// sansmesh render: a picture of a mesh, a cloud or a function.
+// Command `render`: draws meshes, clouds and functions.
 #include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
@@ -27,18 +27,19 @@ struct RenderArguments {
   bool as_one = false;
 };
 
-/// An object as it was drawn, and its files.
-struct ToldObject : ReadFiles {
+/// Drawn object with its files.
+struct ObjectReport : ReadFiles {
   DrawnObject object;
 
   static const ReportSchema& schema();
 };
 
-constexpr ReportRow kToldObject[] = {reported_base<ReadFiles, ToldObject>(), reported_beside<&ToldObject::object>()};
-constexpr ReportSchema kToldObjectSchema{kToldObject};
-const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
+constexpr ReportRow kObjectReport[] = {reported_base<ReadFiles, ObjectReport>(),
+                                       reported_beside<&ObjectReport::object>()};
+constexpr ReportSchema kObjectReportSchema{kObjectReport};
+const ReportSchema& ObjectReport::schema() { return kObjectReportSchema; }
 
-/// The files of each object.
+/// Files of each object.
 std::vector<CloudInput> inputs_of(const RenderArguments& a, const PictureOptions& options) {
   if (a.as_one || options.surface || options.splats) return {a.input};
   std::vector<CloudInput> inputs(a.input.files.size(), a.input);
@@ -80,22 +81,22 @@ void run_render(const RenderArguments& a, Console& console) {
   const RenderReport& r = made.report;
   console.note(a.input.name(), made.notes);
   if (r.surface) {
-    console.tell(a.input.told(), "input");
-    console.tell_value("input.format", read.format);
-    console.tell(r);
-    console.tell_stages();
-    console.say(fmt::format("{} ({})", a.input.name(), read.format));
-    console.say(summary_of(*r.surface));
+    console.report(a.input.report(), "input");
+    console.report_value("input.format", read.format);
+    console.report(r);
+    console.report_stages();
+    console.print(fmt::format("{} ({})", a.input.name(), read.format));
+    console.print(summary_of(*r.surface));
   }
-  std::vector<ToldObject> objects_told;
-  objects_told.reserve(r.objects.size());
-  for (std::size_t i = 0; i < r.objects.size(); ++i) objects_told.push_back({inputs[i].told(), r.objects[i]});
-  console.tell(objects_told, "objects");
+  std::vector<ObjectReport> object_reports;
+  object_reports.reserve(r.objects.size());
+  for (std::size_t i = 0; i < r.objects.size(); ++i) object_reports.push_back({inputs[i].report(), r.objects[i]});
+  console.report(object_reports, "objects");
   const WrittenPictures& p = files.written();
-  console.tell(p, "output");
-  console.say(fmt::format("{}: {}{} × {} pixels{}", p.words(),
-                          r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ", p.width, p.height,
-                          p.files.size() == 1 ? "" : " each"));
+  console.report(p, "output");
+  console.print(fmt::format("{}: {}{} × {} pixels{}", p.words(),
+                            r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ", p.width, p.height,
+                            p.files.size() == 1 ? "" : " each"));
 }
 
 }  // namespace
@@ -104,12 +105,11 @@ Command add_render(CommandLine& app) {
   CommandLine& c = app.add_subcommand("render", "Mesh, points or function → picture");
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
-  c.add_option("input", a.input.files,
-               "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(
+      c, "input", a.input.files,
+      "Meshes, points or functions (.smf): several are separate objects, unless --as-one or --surface is given");
   add_class_options(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   add_picture_options(c, a.picture);
   add_background_option(c, a.picture);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows", "antialiasing", "point_radius"}});
@@ -118,7 +118,7 @@ Command add_render(CommandLine& app) {
   add_line_options(c, a.picture);
   add_accessibility_options(c, a.picture);
   add_schema(c, a.options, {.group = "Objects", .only = {"color", "opacity", "name", "legend"}});
-  c.add_flag("--as-one", a.as_one, "Several files (tiles) are one object").group("Objects");
+  c.add_flag("--as-one", a.as_one, "Read several files (tiles) as one object").group("Objects");
   add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "color_range", "bar", "unit"}});
   add_schema(
       c, a.options.look,
@@ -136,8 +136,8 @@ Command add_render(CommandLine& app) {
            "  sansmesh render mesh.ply -o open.png --accessibility\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
-  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
-           told<RenderReport>(), told_list<ToldObject>("objects"), told<WrittenPictures>("output")});
+  c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
+              report_of<RenderReport>(), reports_of<ObjectReport>("objects"), report_of<WrittenPictures>("output")});
   return {&c, [shared](Console& console) { run_render(*shared, console); }};
 }
 

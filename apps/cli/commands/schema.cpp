@@ -1,14 +1,13 @@
-// sansmesh schema: every command with its options, as data for programs.
-#include <algorithm>
+// Command `schema`: prints all commands and options as data for programs.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
-#include "cli/input/standard_streams.h"
 #include "cli/line/commands.h"
 #include "cli/report/json.h"
 #include "cli/report/standard_output.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/io/formats.h"
@@ -18,10 +17,10 @@
 namespace sansmesh::cli {
 namespace {
 
-/// Grows when a key goes or changes its meaning; new ones leave it.
+/// Increases when a key is removed or changes its meaning, not when one is added.
 constexpr int kSchemaVersion = 1;
 
-/// Ends that are infinite are null.
+/// Infinite ends are null.
 Json json_of_range(const OptionRange& range) {
   const auto end = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   return {{"least", end(range.least)}, {"most", end(range.most)}, {"above", range.above}, {"below", range.below}};
@@ -76,29 +75,19 @@ Json json_of_options(const CommandLine& line) {
   return options;
 }
 
-void add_commands_of(const CommandLine& line, Json& list) {
-  for (const auto& command : line.commands()) {
+Json json_of_commands(const CommandLine& tool) {
+  Json list = Json::array();
+  for (const CommandLine* const command : tool.with_subcommands())
     if (command->commands().empty())
-      list.push_back({{"name", command->full_name().substr(line.root().name().size() + 1)},
+      list.push_back({{"name", command->path()},
                       {"text", command->what()},
                       {"common", command->takes_common_options()},
                       {"options", json_of_options(*command)},
-                      {"report", json_of_keys(command->told())}});
-    add_commands_of(*command, list);
-  }
-}
-
-Json list_of_words(std::string_view words) {
-  Json list = Json::array();
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    list.push_back(std::string(words.substr(at, end - at)));
-    at = end + 1;
-  }
+                      {"report", json_of_keys(command->announced())}});
   return list;
 }
 
-/// A method of a registry: its name, what it is, and the options that mean something to it.
+/// A registered method: name, summary, and the options that it uses.
 template <class Method>
 Json json_of_method(const Method& method) {
   return {{"name", method.name},
@@ -161,7 +150,7 @@ Json json_of_formats() {
     for (const WrittenAs& as : format->written)
       if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
     Json one = {{"name", format->name},
-                {"endings", list_of_words(format->endings)},
+                {"endings", parts_between(format->endings, ' ')},
                 {"reads", words(format->reads)},
                 {"writes", written}};
     if (!format->module.empty()) one["module"] = format->module;
@@ -176,29 +165,28 @@ Command add_schema_command(CommandLine& app) {
   CommandLine& c = app.add_subcommand("schema", "Every command, option, surface and format as JSON, for programs");
   c.without_common_options();
   c.footer(
-      "Each option has `names`, `kind`, `text`, `group` and `level` (basic or advanced); where they apply `field` (in\n"
-      "errors and bindings), `value`, `unit`, `usual` (its value where it is not given), `from_data`, `range`,\n"
-      "`choices`, `numbers`, `endings`, `written` (of files), `implied`, `excludes`, `step` (done in the order "
+      "Each option has `names`, `kind`, `text`, `group` and `level` (basic or advanced); if applicable also `field` "
+      "(in\n"
+      "errors and bindings), `value`, `unit`, `usual` (its default value), `from_data`, `range`,\n"
+      "`choices`, `numbers`, `endings`, `written` (of files), `implied`, `excludes`, `step` (applied in the order "
       "given),\n"
-      "`old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that are null are "
+      "`old_names` (accepted with a warning), `required` and `repeated`. Ends of a range that are null are "
       "infinite;\n"
-      "those of `above` and `below` are excluded. `report` has the keys of --json: `key` (\"places[].radius\" of a\n"
-      "list), `kind`, `text`, `unit`, `choices`, and `optional` where it may be null. `surfaces` and `volume_methods`\n"
+      "`above` and `below` exclude the ends. `report` has the keys of --json: `key` (\"places[].radius\" in a\n"
+      "list), `kind`, `text`, `unit`, `choices`, and `optional` if it may be null. `surfaces` and `volume_methods`\n"
       "are the methods of --surface and, for volumes, of --method, with the fields that they use; `flow_integrators`\n"
-      "those of --integrator of flows: their `order`, whether their steps follow the tolerance (`adaptive`), and how "
-      "far\n"
-      "a step goes by itself (`reach`, of the diagonal); `body_integrators` those of --integrator of bodies, and "
+      "those of --integrator for flows: their `order`, whether their steps follow the tolerance (`adaptive`), and "
+      "the\n"
+      "default step length (`reach`, share of the diagonal); `body_integrators` those of --integrator for bodies, and "
       "whether\n"
       "their steps solve systems (`implicit`); `formats` the files that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {
-            Json commands = Json::array();
-            add_commands_of(app, commands);
             const Json json = {{"schema", kSchemaVersion},
                                {"version", SANSMESH_VERSION},
                                {"common", json_of_options(app)},
-                               {"commands", commands},
+                               {"commands", json_of_commands(app)},
                                {"surfaces", json_of_surfaces()},
                                {"volume_methods", json_of_volume_methods()},
                                {"flow_integrators", json_of_flow_integrators()},

@@ -1,4 +1,4 @@
-// sansmesh section: the curves in which planes cut a surface.
+// Command `section`: cuts a surface with planes.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -20,7 +20,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// More planes than this are summed up in one line.
+/// Number of planes that are printed individually.
 constexpr std::size_t kPrintedPlanes = 30;
 
 struct SectionArguments {
@@ -47,33 +47,29 @@ void run_section(const SectionArguments& a, Console& console) {
     progress.begin("write");
     write_text(a.output, a.output.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
-  console.tell(opened.told, "input");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  console.report(opened.report, "input");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
 
-  for (std::size_t i = 0; i < std::min(kPrintedPlanes, sections.size()); ++i) console.say(section_words(sections[i]));
-  if (sections.size() > kPrintedPlanes) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
+  for (std::size_t i = 0; i < std::min(kPrintedPlanes, sections.size()); ++i) console.print(section_words(sections[i]));
+  if (sections.size() > kPrintedPlanes) console.print(fmt::format("… {}", counted(sections.size(), "plane")));
   console.note(opened.surface.name(), made.notes);
   if (!a.output.empty())
-    console.say(
+    console.print(
         fmt::format("{}: {} in {}", a.output, counted(made.report.curves, "curve"), counted(sections.size(), "plane")));
 }
 
 }  // namespace
 
 Command add_section(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
+  CommandLine& c = app.add_subcommand("section", "Mesh or function → cross-sections by planes");
   auto a = std::make_shared<SectionArguments>();
-  c.add_option("input", a->input.files,
-               "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "input", a->input.files,
+                    "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one");
   c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write")
       .writes({".svg", ".csv"});
   add_schema(c, a->options);
-  c.add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
-      .type_name("UNIT")
-      .one_of({"mm", "cm", "in"});
+  add_drawing_unit(c, a->unit);
   c.footer(
       "Without --plane and --axis: three planes through the middle of the bounding box. Holes are subtracted\n"
       "from areas. Functions are cut without a mesh.\n\n"
@@ -81,7 +77,7 @@ Command add_section(CommandLine& app) {
       "  sansmesh section part.ply -o part.svg\n"
       "  sansmesh section part.ply --axis z --count 10 -o slices.svg\n"
       "  sansmesh section part.smf --plane z=0.5 --plane 1,1,0,0 -o cuts.csv");
-  c.tells({told<ReadSurface>("input"), told<SectionResult>(), told<ToldFile>("output")});
+  c.announce({report_of<ReadSurface>("input"), report_of<SectionResult>(), report_of<FileReport>("output")});
   return {&c, [a](Console& console) { run_section(*a, console); }};
 }
 

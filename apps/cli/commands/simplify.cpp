@@ -1,4 +1,4 @@
-// sansmesh simplify: fewer triangles for the same surface, and how far off these are.
+// Command `simplify`: reduces the number of triangles and reports the distance from the original.
 #include "sansmesh/repair.h"
 
 #include "cli/line/commands.h"
@@ -22,27 +22,28 @@ void run_simplify(SimplifyArguments& a, Console& console) {
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made.report);
-  if (!console.says()) return;
-  console.say(a.input.file + " → " + a.output.file);
-  console.say(summary_of(made));
+  console.report(made.report);
+  if (!console.prints_text()) return;
+  console.print(a.input.file + " → " + a.output.file);
+  console.print(summary_of(made));
 }
 
 }  // namespace
 
 Command add_simplify(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("simplify", "Mesh → mesh of fewer triangles, and how far it is off");
+  CommandLine& c =
+      app.add_subcommand("simplify", "Mesh → mesh with fewer triangles, and its distance from the original");
   auto a = std::make_shared<SimplifyArguments>();
   a->input.add_to(c);
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
-      "Borders, creases and topology stay; colours and attributes of vertices that merge are averaged.\n\n"
+      "Borders, creases and topology are preserved; colours and attributes of merged vertices are averaged.\n\n"
       "Examples:\n"
       "  sansmesh simplify scan.ply -o small.ply --triangles 20000\n"
       "  sansmesh simplify scan.ply -o small.glb --error 0.05\n"
       "  sansmesh simplify scan.ply -o tenth.stl --ratio 0.1 --json");
-  c.tells({told<SimplifyReport>()});
+  c.announce({report_of<SimplifyReport>()});
   return {&c, [a](Console& console) { run_simplify(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh simulate: tetrahedra that move by forces.
+// Command `simulate`: dynamics of tetrahedral bodies.
 #include "sansmesh/simulate.h"
 
 #include <memory>
@@ -28,19 +28,19 @@ struct SimulateArguments {
   PictureArguments picture;
 };
 
-/// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
+/// Throws FileError if an output cannot be written, ArgumentError for options that exclude each other.
 void check_simulate(const SimulateArguments& a) {
   a.files.check();
   require(a.volume_file.empty() || a.files.draws(),
           "--embedded-volume needs pictures: --output NAME.png or --animation");
-  require(!a.volume_file.empty() || (a.colors.usual() && a.volume.array.empty()),
+  require(!a.volume_file.empty() || (a.colors.is_default() && a.volume.array.empty()),
           "--array, --preset, --transfer, --opacity-factor and --iso belong to --embedded-volume");
   a.options.validate();
   a.picture.chosen().validate();
   a.picture.check_frames(true);
 }
 
-/// Opened before anything moves. A volume is seen alone, unless a surface is asked for beside it.
+/// Opens pictures before the simulation. A volume hides the surface unless an embedded mesh is given.
 std::optional<MotionPictures> open_pictures(SimulateArguments& a, const SimulationPlan& plan,
                                             std::optional<CarriedSurface> surface, Console& console) {
   if (!a.files.draws()) return std::nullopt;
@@ -50,7 +50,7 @@ std::optional<MotionPictures> open_pictures(SimulateArguments& a, const Simulati
     std::vector<Note> notes;
     carried = carried_volume(a.volume.open(console), console.progress(), notes);
     console.note(a.volume_file, notes);
-    a.colors.put_into(carried->look);
+    a.colors.apply_to(carried->look);
     if (a.surface.empty()) surface.reset();
   }
   MotionPictures pictures(plan, std::move(surface), std::move(carried), a.picture.chosen());
@@ -62,7 +62,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
   check_simulate(a);
   const SimulationBody body = read_body(a.tets);
   console.warn(a.tets, body.notes());
-  a.options.z_up = a.picture.place.z_up;
+  a.options.z_up = a.picture.view.z_up;
   const SimulationPlan plan = plan_simulation(body, read_scene(a.forces, a.fixed, body, a.options.z_up), a.options);
   console.note(a.tets, plan.notes);
   const CarriedSurface surface = read_carried(a.surface, plan);
@@ -76,62 +76,57 @@ void run_simulate(SimulateArguments& a, Console& console) {
   use.part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); };
   use.before_more = [&] { console.keep_frames(); };
   const std::vector<std::string> files = write_motion(a.files, made, surface, use, console.progress());
-  console.tell(ToldFile{a.tets}, "input");
-  console.tell_value("input.notes", body.notes());
-  console.tell(plan);
-  console.tell(made.report);
-  console.tell_value("output.files", files);
-  console.say(summary_of(plan, made.report));
-  console.say(WrittenPictures{files}.words() + ": written");
+  console.report(FileReport{a.tets}, "input");
+  console.report_value("input.notes", body.notes());
+  console.report(plan);
+  console.report(made.report);
+  console.report_value("output.files", files);
+  console.print(summary_of(plan, made.report));
+  console.print(WrittenPictures{files}.words() + ": written");
 }
 
 }  // namespace
 
 Command add_simulate(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("simulate", "Tetrahedra that move by forces → frames, pictures, an animation");
+  CommandLine& c = app.add_subcommand("simulate", "Tetrahedra and forces → motion as frames, pictures or an animation");
   auto shared = std::make_shared<SimulateArguments>();
   SimulateArguments& a = *shared;
   c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …")
       .type_name("TETS")
       .reads(endings_read(kTetrahedra))
       .required();
-  c.add_option("--forces", a.forces, "Scene: what holds, pulls and stops the body, material, time (JSON)")
-      .reads({".json"});
+  c.add_option("--forces", a.forces, "Scene: constraints, forces, obstacles, material, time (JSON)").reads({".json"});
   c.add_option("-o,--output", a.files.outputs,
                "Frames to write, NAME_0000.vtu, … (and NAME.pvd), .ply .obj .stl .off .glb .vtp (surface) or .png "
                "(pictures); may be repeated")
       .writes({".vtu", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp", ".png"})
       .repeated();
-  c.add_option("--animation", a.files.animation,
-               "Pictures of all frames in one file, an animated PNG that browsers play")
-      .writes({".png"});
+  c.add_option("--animation", a.files.animation, "Animated PNG of all frames").writes({".png"});
   c.add_option("--energies", a.files.energies, "Energies, iterations and contacts of every step: .csv")
       .writes({".csv"});
-  c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
+  c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, instead of their boundary")
       .reads(endings_read(kPoints))
-      .once_called("--surface");
+      .former_name("--surface");
   const char* const body = "Body";
-  c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
-      .reads({".bou"})
-      .group(body);
+  c.add_option("--fixed", a.fixed, "List of fixed vertices (.bou), numbered as in TETS").reads({".bou"}).group(body);
   add_schema(c, a.options,
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
   add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
   c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
       .reads()
-      .once_called("--volume")
+      .former_name("--volume")
       .group(seen);
-  c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
+  c.add_option("--array", a.volume.array, "Array of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
   add_ascii_flag(c, a.files.ascii);
   add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(
-      "TETS: Gmsh, Medit, TetGen, Vega meshes, and all other volumes with cells. Down is where y is small (with "
-      "--z-up: "
-      "z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it hangs.\n\n"
+      "TETS: Gmsh, Medit, TetGen, Vega meshes, and all other volumes with cells. Gravity pulls along -y (with "
+      "--z-up along "
+      "-z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it is suspended.\n\n"
       "Examples:\n"
       "  sansmesh simulate turtle.veg --fixed turtle.bou --embedded-mesh turtle.obj -o turtle.ply\n"
       "  sansmesh simulate dolphin.msh --unit cm --animation dolphin.png --width 480 --height 360\n"
@@ -139,10 +134,10 @@ Command add_simulate(CommandLine& app) {
       "  sansmesh simulate head.msh --forces pull.json --embedded-volume head.vti --preset ct-bone -o head.png\n"
       "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
       "               \"handles\": {\"on\": {\"side\": \"+x\"}, \"turn\": {\"axis\": [1, 0, 0], \"degrees\": 180}}}");
-  c.tells({told<ToldFile>("input"),
-           told_value<std::vector<std::string>>("input.notes", "What there is to know of how it was read"),
-           told<SimulationPlan>(), told<SimulateReport>(),
-           told_value<std::vector<std::string>>("output.files", "Files that were written")});
+  c.announce({report_of<FileReport>("input"),
+              value_of<std::vector<std::string>>("input.notes", "Notes on reading the file"),
+              report_of<SimulationPlan>(), report_of<SimulateReport>(),
+              value_of<std::vector<std::string>>("output.files", "Written files")});
   return {&c, [shared](Console& console) { run_simulate(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh smooth: noise taken off a mesh.
+// Command `smooth`: removes noise from a mesh.
 #include "sansmesh/repair.h"
 
 #include "cli/line/commands.h"
@@ -22,26 +22,26 @@ void run_smooth(SmoothArguments& a, Console& console) {
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made.report);
-  console.say(a.input.file + " → " + a.output.file + ": " + counted(made.mesh.triangles.size(), "triangle"));
-  console.say(summary_of(made.report));
+  console.report(made.report);
+  console.print(a.input.file + " → " + a.output.file + ": " + counted(made.mesh.triangles.size(), "triangle"));
+  console.print(summary_of(made.report));
 }
 
 }  // namespace
 
 Command add_smooth(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("smooth", "Mesh → mesh without its noise, its volume or its creases kept");
+  CommandLine& c = app.add_subcommand("smooth", "Mesh → mesh without noise, preserving its volume or its creases");
   auto a = std::make_shared<SmoothArguments>();
   a->input.add_to(c);
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
-      "Vertices move, triangles stay as they are. Reported: how far, and the change of volume.\n\n"
+      "Vertices move, triangles stay the same. The report has distances and the change of volume.\n\n"
       "Examples:\n"
       "  sansmesh smooth scan.ply -o smooth.ply\n"
       "  sansmesh smooth scan.ply -o smoother.ply --shorter-than 2.5\n"
       "  sansmesh smooth part.stl -o part.ply --creases");
-  c.tells({told<SmoothReport>()});
+  c.announce({report_of<SmoothReport>()});
   return {&c, [a](Console& console) { run_smooth(*a, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh volume: what is done with volumes, each a command of its own.
+// Command `volume`: group of commands on volumes.
 #include "cli/input/volume_input.h"
 #include "cli/line/commands.h"
 
@@ -7,14 +7,15 @@ namespace sansmesh::cli {
 std::vector<Command> add_volume(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("volume", "Volumes on any grid: fit, probe, resample, isosurface, surface, render");
-  c.footer(std::string(kReadableVolumes) +
-           "\n\nWithout --method the reconstruction follows from the data: sansmesh advise DATA says which and why.\n\n"
-           "Examples:\n"
-           "  sansmesh info fire.vtu\n"
-           "  sansmesh volume probe fire.vtu --array t --points where.csv -o t.csv\n"
-           "  sansmesh volume resample fire.vtu --array t --size 128 -o t.vti\n"
-           "  sansmesh volume isosurface fire.vtu --array t --value 1000 -o hot.ply\n"
-           "  sansmesh volume fit fire.vtu --array t -o fire.smv");
+  c.footer(
+      std::string(kReadableVolumes) +
+      "\n\nWithout --method the reconstruction is chosen from the data: sansmesh advise DATA shows which and why.\n\n"
+      "Examples:\n"
+      "  sansmesh info fire.vtu\n"
+      "  sansmesh volume probe fire.vtu --array t --points where.csv -o t.csv\n"
+      "  sansmesh volume resample fire.vtu --array t --size 128 -o t.vti\n"
+      "  sansmesh volume isosurface fire.vtu --array t --value 1000 -o hot.ply\n"
+      "  sansmesh volume fit fire.vtu --array t -o fire.smv");
   return {add_volume_fit(c),        add_volume_probe(c),  add_volume_resample(c),
           add_volume_isosurface(c), add_volume_render(c), add_volume_surface(c)};
 }

@@ -1,4 +1,4 @@
-// sansmesh volume fit: a volume with its reconstruction, ready for all that comes after.
+// Command `volume fit`: writes a volume with its reconstruction.
 #include "sansmesh/volumes.h"
 
 #include <fmt/format.h>
@@ -35,37 +35,37 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   std::vector<std::string> arrays;
   arrays.reserve(r.arrays.size());
   for (const std::string& array : r.arrays) arrays.push_back(printable(array));
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell(r);
-  console.tell(ToldFile{a.output}, "output");
-  console.tell_value("output.arrays", arrays);
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report(r);
+  console.report(FileReport{a.output}, "output");
+  console.report_value("output.arrays", arrays);
 
-  console.say(summary_of(volume, console.progress()));
+  console.print(summary_of(volume, console.progress()));
   if (!r.by_degree.empty())
-    console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
+    console.print(
+        fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
   console.note(volume.name(), made.notes);
-  console.say(fmt::format("{}: {}, {:.3g} MB", a.output, counted(r.arrays.size(), "array"),
-                          static_cast<double>(written_size(a.output)) / 1e6));
+  console.print(fmt::format("{}: {}, {:.3g} MB", a.output, counted(r.arrays.size(), "array"),
+                            static_cast<double>(written_size(a.output)) / 1e6));
 }
 
 }  // namespace
 
 Command add_volume_fit(CommandLine& volume) {
   CommandLine& c =
-      volume.add_subcommand("fit", "Volume on any grid → fitted volume, which all others start from at once");
+      volume.add_subcommand("fit", "Volume on any grid → fitted volume, a fast input for all other commands");
   auto a = std::make_shared<VolumeFitArguments>();
   add_volume_input(c, a->input);
   c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").writes({".smv"}).required();
   add_schema(c, a->options);
-  c.footer(
-      std::string(kReadableVolumes) +
-      "\n\nThe file holds the samples and the coefficients of the reconstruction: every command takes it in place of "
-      "DATA,\nwithout another fit.\n\nExamples:\n"
-      "  sansmesh volume fit fire.vtu --array t -o fire.smv\n"
-      "  sansmesh volume probe fire.smv --at 0.5,0.5,0.5\n"
-      "  sansmesh info fire.smv");
-  c.tells({told<ReadVolume>("input"), told<FitVolumeReport>(), told<ToldFile>("output"),
-           told_value<std::vector<std::string>>("output.arrays", "Arrays that were written")});
+  c.footer(std::string(kReadableVolumes) +
+           "\n\nThe file contains the samples and the coefficients of the reconstruction: every command accepts it as "
+           "DATA,\nwithout fitting again.\n\nExamples:\n"
+           "  sansmesh volume fit fire.vtu --array t -o fire.smv\n"
+           "  sansmesh volume probe fire.smv --at 0.5,0.5,0.5\n"
+           "  sansmesh info fire.smv");
+  c.announce({report_of<ReadVolume>("input"), report_of<FitVolumeReport>(), report_of<FileReport>("output"),
+              value_of<std::vector<std::string>>("output.arrays", "Arrays in the file")});
   return {&c, [a](Console& console) { run_volume_fit(*a, console); }};
 }
 

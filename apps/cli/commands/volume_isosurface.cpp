@@ -1,4 +1,4 @@
-// sansmesh volume isosurface: where a quantity has a value, as a mesh, or as meshes at many moments.
+// Command `volume isosurface`: isosurfaces of volumes, at one or many moments.
 #include "sansmesh/isosurfaces.h"
 
 #include <fmt/core.h>
@@ -29,7 +29,7 @@ struct IsosurfaceArguments {
   IsosurfaceMomentsOptions moments;
 };
 
-/// The mesh of a moment.
+/// Mesh file of a moment.
 struct WrittenMoment {
   std::string file;
   IsosurfaceMoment moment;
@@ -59,24 +59,24 @@ void run_moments(const IsosurfaceArguments& a, Console& console) {
   const IsosurfaceMomentsResult made = isosurface_moments(series, a.options, a.moments, write, progress);
   const IsosurfaceMomentsReport& r = made.report;
   console.note(series.name, made.notes);
-  console.tell(a.input.told(), "input");
-  console.tell(series);
-  console.tell(r);
+  console.report(a.input.report(), "input");
+  console.report(series);
+  console.report(r);
   std::vector<WrittenMoment> frames;
   frames.reserve(r.moments.size());
   for (const IsosurfaceMoment& moment : r.moments) frames.push_back({names[frames.size()], moment});
-  console.tell(frames, "frames");
+  console.report(frames, "frames");
 
   const VolumeModel& first = series.steps[0];
-  console.say(summary_of(first, progress));
-  console.say(fmt::format("{}: {} = {:.6g}{}, {} from {:.6g} to {:.6g}", series.name, first.array_name(), r.value,
-                          a.options.value ? "" : " (the middle of the first step's range)",
-                          counted(series.steps.size(), "step"), series.times.front(), series.times.back()));
+  console.print(summary_of(first, progress));
+  console.print(fmt::format("{}: {} = {:.6g}{}, {} from {:.6g} to {:.6g}", series.name, first.array_name(), r.value,
+                            a.options.value ? "" : " (the middle of the first step's range)",
+                            counted(series.steps.size(), "step"), series.times.front(), series.times.back()));
   const auto [least, most] = std::minmax_element(
       r.moments.begin(), r.moments.end(),
       [](const IsosurfaceMoment& x, const IsosurfaceMoment& y) { return x.triangles < y.triangles; });
-  console.say(fmt::format("{} … {}: {} meshes with {} to {} triangles", frames.front().file, frames.back().file,
-                          grouped(r.moments.size()), grouped(least->triangles), grouped(most->triangles)));
+  console.print(fmt::format("{} … {}: {} meshes with {} to {} triangles", frames.front().file, frames.back().file,
+                            grouped(r.moments.size()), grouped(least->triangles), grouped(most->triangles)));
 }
 
 void run_isosurface(const IsosurfaceArguments& a, Console& console) {
@@ -91,42 +91,41 @@ void run_isosurface(const IsosurfaceArguments& a, Console& console) {
   const IsosurfaceReport& r = made.report.mesh;
   console.note(volume.name(), made.notes);
   a.output.write(made.mesh, console);
-  console.tell(a.input.told(volume, progress), "input");
-  console.tell(made.report);
+  console.report(a.input.report(volume, progress), "input");
+  console.report(made.report);
 
-  console.say(summary_of(volume, progress));
-  console.say(fmt::format("{} = {:.6g}{}", volume.array_name(), made.report.value,
-                          a.options.value ? "" : " (the middle of its range)"));
-  say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
-  console.say(area_words(r.area, r.volume) +
-              (r.volume ? "" : " (--closed gives the volume of what is above the value)"));
+  console.print(summary_of(volume, progress));
+  console.print(fmt::format("{} = {:.6g}{}", volume.array_name(), made.report.value,
+                            a.options.value ? "" : " (the middle of its range)"));
+  print_mesh(a.output.file, made.mesh, r.components, r.closed, console);
+  console.print(area_words(r.area, r.volume) + (r.volume ? "" : " (--closed gives the volume above the value)"));
 }
 
 }  // namespace
 
 Command add_volume_isosurface(CommandLine& volume) {
-  CommandLine& c = volume.add_subcommand("isosurface", "Volume on any grid → where a quantity has a value, as a mesh");
+  CommandLine& c = volume.add_subcommand("isosurface", "Volume on any grid → isosurface as a mesh");
   auto a = std::make_shared<IsosurfaceArguments>();
   add_volume_input(c, a->input);
   add_schema(c, a->options, {.only = {"value"}});
   add_mesh_output(c, a->output);
   add_schema(c, a->options, {.only = {"carry", "closed"}});
   add_schema(c, a->options.mesh, {.group = "Mesh", .without = {"closed"}});
-  c.add_flag(
-       "--unsteady", a->unsteady,
-       "The volume changes: all steps of the file in time, or several files one after the other, become a surface "
-       "in space and time and this a closed mesh at each of many moments, NAME_0000.ply, …")
+  c.add_flag("--unsteady", a->unsteady,
+             "The volume changes in time: use all steps of the file, or several files as steps, extract a surface "
+             "in space and time, and write a closed mesh per moment, NAME_0000.ply, …")
       .group("Time");
   add_times_option(c, a->times, "Time");
   add_schema(c, a->moments, {.group = "Time"});
-  c.footer(std::string(kReadableVolumes) +
-           "\n\nOther commands take such a surface as DATA[NAME=VALUE]: csg, section, compare, measure.\n\nExamples:\n"
-           "  sansmesh volume isosurface engine.mhd --value 80 -o engine.ply --preview engine.png\n"
-           "  sansmesh volume isosurface disk_out_ref.vtu --array Temp --value 600 -o hot.vtp\n"
-           "  sansmesh volume isosurface flame_*.vti --unsteady --value 900 --frames 100 -o flame.ply\n"
-           "  sansmesh section 'disk_out_ref.vtu[Temp=600]' --axis z -o cut.svg");
-  c.tells({told<ReadVolume>("input"), told<VolumeIsosurfaceReport>(), told<ReadFiles>("input"), told<VolumeSeries>(),
-           told<IsosurfaceMomentsReport>(), told_list<WrittenMoment>("frames")});
+  c.footer(
+      std::string(kReadableVolumes) +
+      "\n\nOther commands accept such a surface as DATA[NAME=VALUE]: csg, section, compare, measure.\n\nExamples:\n"
+      "  sansmesh volume isosurface engine.mhd --value 80 -o engine.ply --preview engine.png\n"
+      "  sansmesh volume isosurface disk_out_ref.vtu --array Temp --value 600 -o hot.vtp\n"
+      "  sansmesh volume isosurface flame_*.vti --unsteady --value 900 --frames 100 -o flame.ply\n"
+      "  sansmesh section 'disk_out_ref.vtu[Temp=600]' --axis z -o cut.svg");
+  c.announce({report_of<ReadVolume>("input"), report_of<VolumeIsosurfaceReport>(), report_of<ReadFiles>("input"),
+              report_of<VolumeSeries>(), report_of<IsosurfaceMomentsReport>(), reports_of<WrittenMoment>("frames")});
   return {&c, [a](Console& console) { run_isosurface(*a, console); }};
 }
 

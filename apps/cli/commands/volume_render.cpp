@@ -1,4 +1,4 @@
-// sansmesh volume render: a picture of a volume, seen through.
+// Command `volume render`: pictures of volumes.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ struct VolumeRenderArguments {
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
-  colors.put_into(o.look);
+  colors.apply_to(o.look);
   o.any_view = !picture.has_view();
   o.validate();
   return o;
@@ -56,39 +56,40 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   const VolumePictureReport& r = pictures.report();
   const BakeReport* const baked = pictures.baked();
   if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
-  console.tell(a.input.told(volume, progress), "input");
-  console.tell(r);
-  console.tell(files.written(), "output");
-  if (baked) console.tell(*baked, "baked");
+  console.report(a.input.report(volume, progress), "input");
+  console.report(r);
+  console.report(files.written(), "output");
+  if (baked) console.report(*baked, "baked");
 
-  console.say(summary_of(volume, progress));
+  console.print(summary_of(volume, progress));
   const auto [lower, upper] = r.transfer.range();
-  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
-                          r.why.empty() ? "" : "; " + r.why));
+  console.print(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
+                            r.why.empty() ? "" : "; " + r.why));
   if (baked)
-    console.say(fmt::format(
-        "baked into {}, off by {:.3g} % of the range on average, {:.3g} % at the worst of the places checked{}",
-        counted(baked->bricks, "brick"), 100 * baked->error_mean, 100 * baked->error_most,
-        baked->finished ? "" : "; there was no memory for more"));
+    console.print(
+        fmt::format("baked into {}, error {:.3g} % of the range on average, at most {:.3g} % at the tested points{}",
+                    counted(baked->bricks, "brick"), 100 * baked->error_mean, 100 * baked->error_most,
+                    baked->finished ? "" : "; limited by memory"));
 }
 
 }  // namespace
 
 Command add_volume_render(CommandLine& volume) {
-  CommandLine& c = volume.add_subcommand("render", "Volume on any grid → picture: seen through, iso-surfaces, cuts");
+  CommandLine& c =
+      volume.add_subcommand("render", "Volume on any grid → picture: volume rendering, iso-surfaces, cuts");
   auto shared = std::make_shared<VolumeRenderArguments>();
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   a.colors.add_options(c, "Options");
-  c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
+  c.add_option("--save-transfer", a.save_transfer, "Also write the transfer function that was used, for --transfer")
       .writes({".json"});
   add_schema(c, a.contents);
   add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title", "frames"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
        "--axes", [&o = a.options.look](const std::string& unit) { o.axes = true, o.unit = unit; },
-       "With the outline of the box and ticks, and the unit of lengths, as --axes=mm")
+       "Draw the outline of the box with ticks, optionally with a unit of lengths: --axes=mm")
       .type_name("UNIT")
       .without_value("")
       .group("Picture");
@@ -100,8 +101,8 @@ Command add_volume_render(CommandLine& volume) {
            "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
            "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --clip 'y>4' --axes\n"
            "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
-  c.tells({told<ReadVolume>("input"), told<VolumePictureReport>(), told<WrittenPictures>("output"),
-           told<BakeReport>("baked")});
+  c.announce({report_of<ReadVolume>("input"), report_of<VolumePictureReport>(), report_of<WrittenPictures>("output"),
+              report_of<BakeReport>("baked")});
   return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
 }
 

@@ -1,7 +1,6 @@
-// sansmesh volume resample: a volume on a uniform grid.
+// Command `volume resample`: resamples a volume on a uniform grid.
 #include "sansmesh/volumes.h"
 
-#include <limits>
 #include <string>
 
 #include "cli/input/volume_input.h"
@@ -22,18 +21,18 @@ struct ResampleArguments {
 void run_resample(const ResampleArguments& a, Console& console) {
   a.options.validate();
   require(!a.options.gradients || a.output.ends_with(".vti"),
-          "--gradients needs a format of several arrays: -o FILE.vti");
+          "--gradients needs a format with several arrays: -o FILE.vti");
   check_volume_writable(a.output);
   VolumeModel volume = a.input.open(console);
   const ResampleResult made = resample(volume, a.options, console.progress());
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_volume(a.output, made.block);
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell(ToldFile{a.output}, "output");
-  console.tell(made.report);
-  console.say(summary_of(volume, console.progress()));
-  console.say(a.output + ": " + lattice_words(made.report.size, made.report.inside));
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report(FileReport{a.output}, "output");
+  console.report(made.report);
+  console.print(summary_of(volume, console.progress()));
+  console.print(a.output + ": " + lattice_words(made.report.size, made.report.inside));
 }
 
 }  // namespace
@@ -46,14 +45,12 @@ Command add_volume_resample(CommandLine& volume) {
       .writes({".vti", ".mhd", ".mha", ".nrrd"})
       .required();
   add_schema(c, a->options);
-  c.add_flag_callback(
-      "--nan", [a] { a->options.outside = std::numeric_limits<double>::quiet_NaN(); },
-      "Values outside of the volume are NaN: --outside nan");
+  add_nan_flag(c, a->options.outside);
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume resample combustion.vts --array Density --size 256 -o density.vti\n"
            "  sansmesh volume resample amr.vthb --array Fraction --size 128 64 64 --method linear -o fraction.mhd");
-  c.tells({told<ReadVolume>("input"), told<ToldFile>("output"), told<ResampleReport>()});
+  c.announce({report_of<ReadVolume>("input"), report_of<FileReport>("output"), report_of<ResampleReport>()});
   return {&c, [a](Console& console) { run_resample(*a, console); }};
 }
 

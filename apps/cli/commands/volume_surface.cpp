@@ -1,4 +1,4 @@
-// sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
+// Command `volume surface`: isosurfaces and surfaces of high gradient directly from the samples of a volume.
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/volumes.h"
 
@@ -35,12 +35,12 @@ struct VolumeSurfaceArguments {
   bool ascii = false;
 
   bool to_picture() const { return output.size() > 4 && output.ends_with(".png"); }
-  /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
+  /// Throws FileError if an output cannot be written, ArgumentError for options that exclude each other.
   void check() const;
 };
 
 void VolumeSurfaceArguments::check() const {
-  require(!output.empty() || !points.empty(), "--output or --points-output is needed");
+  require(!output.empty() || !points.empty(), "--output or --points-output is required");
   require(to_picture() || options_set(look).empty(), "--color-by, --sharp and --frames need a picture");
   require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
   require(!distance || !points.empty(), "--point-spacing needs --points-output");
@@ -61,10 +61,10 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
   const DrawnSurfaceInVolume drawn =
       draw_surface_in_volume(surface, volume, a.look, a.picture.chosen(), files.writer(), console.progress());
   console.note(volume.name(), drawn.notes);
-  if (drawn.colors && !drawn.colors->curvature) console.tell(*drawn.colors, "colors");
-  console.tell(drawn.rays, "rays");
-  console.tell(files.written(), "output");
-  console.say(files.written().size_line());
+  if (drawn.colors && !drawn.colors->curvature) console.report(*drawn.colors, "colors");
+  console.report(drawn.rays, "rays");
+  console.report(files.written(), "output");
+  console.print(files.written().size_line());
 }
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
@@ -74,10 +74,10 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_mesh(a.output, made.mesh, {.ascii = a.ascii});
-  tell_mesh(a.output, made.mesh, console);
-  console.tell(r);
-  say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
-  console.say(area_words(r.area, r.volume));
+  report_mesh(a.output, made.mesh, console);
+  console.report(r);
+  print_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
+  console.print(area_words(r.area, r.volume));
 }
 
 void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
@@ -87,9 +87,9 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
   const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
   const SurfaceInVolume& surface = *made;
-  console.tell(a.input.told(volume, progress), "input");
-  console.tell(surface);
-  console.say(summary_of(surface, volume, progress));
+  console.report(a.input.report(volume, progress), "input");
+  console.report(surface);
+  console.print(summary_of(surface, volume, progress));
   console.note(volume.name(), surface.notes);
   std::optional<PointSet> points;
   if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
@@ -99,8 +99,8 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
     write_surface(a, surface, volume, console);
   if (!points) return;
   write_points(a.points, *points, {});
-  console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
-  console.tell(WrittenPoints{a.points, points->size()}, "points");
+  console.print(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
+  console.report(WrittenPoints{a.points, points->size()}, "points");
 }
 
 }  // namespace
@@ -112,27 +112,27 @@ Command add_volume_surface(CommandLine& volume) {
   add_volume_input(c, a.input);
   c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
       .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
-  c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
+  c.add_option("--points-output", a.points, "Write evenly spread points of the surface with normals")
       .writes(endings_written(kPoints))
-      .once_called("--points");
-  c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
+      .former_name("--points");
+  c.add_option("--point-spacing", a.distance, "Distance between these points [the spacing of the samples]")
       .type_name("LENGTH")
-      .once_called("--distance");
+      .former_name("--distance");
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});
   add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_schema(c, a.meshing, {.group = "Mesh"});
-  c.add_flag("--ascii", a.ascii, "Write text, not binary").group("Mesh");
+  add_ascii_flag(c, a.ascii, "Mesh");
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"
            "  sansmesh volume surface engine.nrrd --high-gradient -o engine.ply\n"
            "  sansmesh volume surface fire.vtu --array t --value 1000 --color-by mfrac -o hot.png");
-  c.tells({told<ReadVolume>("input"), told<SurfaceInVolume>(), told<ShownColors>("colors"), told<CastCounts>("rays"),
-           told<WrittenPictures>("output"), told<WrittenMesh>("output"), told<MeshInVolumeReport>(),
-           told<WrittenPoints>("points")});
+  c.announce({report_of<ReadVolume>("input"), report_of<SurfaceInVolume>(), report_of<ShownColors>("colors"),
+              report_of<CastCounts>("rays"), report_of<WrittenPictures>("output"), report_of<WrittenMesh>("output"),
+              report_of<MeshInVolumeReport>(), report_of<WrittenPoints>("points")});
   return {&c, [shared](Console& console) { run_volume_surface(*shared, console); }};
 }
 

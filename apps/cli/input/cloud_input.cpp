@@ -12,7 +12,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// What --class or --without-class names.
+/// Parses the value of --class or --without-class.
 PointClasses classes_of(const std::string& list) {
   try {
     return parse_point_classes(list);
@@ -31,8 +31,7 @@ const ReportSchema& CloudScale::schema() {
   static constexpr ReportRow rows[] = {
       reported<&CloudScale::spacing>({.text = "Spacing of the points", .unit = "length"}),
       reported_beside<&CloudScale::noise>()};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 std::string CloudInput::name() const {
@@ -60,16 +59,21 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
     } catch (const DataError& error) {
       throw FileError(name(), console.in_flags(error.what()));
     }
-    console.say(
-        fmt::format("{}: {} of {} are of the classes chosen", name(), grouped(points.size()), counted(given, "point")));
+    console.print(fmt::format("{}: {} of {} are of the selected classes", name(), grouped(points.size()),
+                              counted(given, "point")));
   }
   return points;
 }
 
+template <class Files>
+void add_surface_input(CommandLine& c, const std::string& name, Files& files, const std::string& what) {
+  c.add_option(name, files, what).reads(endings_read(kPoints | kFunction)).required();
+}
+template void add_surface_input(CommandLine&, const std::string&, std::string&, const std::string&);
+template void add_surface_input(CommandLine&, const std::string&, std::vector<std::string>&, const std::string&);
+
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
-  c.add_option("input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""))
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""));
   add_class_options(c, input);
 }
 
@@ -81,7 +85,7 @@ void add_class_options(CommandLine& c, CloudInput& input, const std::string& of)
          input.classes = input.classes ? *input.classes & wanted : wanted;
          input.with = list;
        },
-       "Only points" + of + " of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
+       "Keep only points" + of + " of these classes, separated by commas: names (ground, building) or numbers (2, 3-5)")
       .type_name("CLASSES")
       .group("Input");
   c.add_option_function(
@@ -91,7 +95,7 @@ void add_class_options(CommandLine& c, CloudInput& input, const std::string& of)
          input.classes = input.classes ? *input.classes & ~unwanted : ~unwanted;
          input.without = list;
        },
-       "All but points" + of + " of these classes: noise")
+       "Drop points" + of + " of these classes: noise")
       .type_name("CLASSES")
       .group("Input");
 }

@@ -1,4 +1,4 @@
-// The clouds that a command reads: files, and which of their points.
+// Clouds that a command reads: files and point classes.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/report/console.h"
-#include "cli/report/told_files.h"
+#include "cli/report/file_reports.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/point_set.h"
@@ -19,23 +19,23 @@ class CommandLine;
 
 /// One file, or several that are read as one cloud.
 struct CloudInput {
-  std::vector<std::string> files;       ///< at least one once the command line is read
-  std::string with, without;            ///< as given to --class and --without-class
-  std::optional<PointClasses> classes;  ///< what follows from these
+  std::vector<std::string> files;       ///< not empty after parsing
+  std::string with, without;            ///< values of --class and --without-class
+  std::optional<PointClasses> classes;  ///< derived from these
 
   /// "a.las", "a.las and 2 other files"
   std::string name() const;
-  ReadFiles told() const { return {files}; }
-  /// With what was read.
-  ReadCloud told(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
-  /// Whether it is a function file and not a cloud. Throws ArgumentError where points of it were to be chosen.
+  ReadFiles report() const { return {files}; }
+  /// Also reports what was read.
+  ReadCloud report(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
+  /// Whether it is a function file instead of a cloud. Throws ArgumentError if point classes were given for a function.
   bool is_function() const;
-  /// Reads all as one cloud, as a stage of the progress, and keeps the points of the classes that were asked for.
-  /// Warnings go to the console. Throws FileError.
+  /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings
+  /// are sent to the console. Throws FileError.
   PointSet read(Console& console, ReadReport& report) const;
 };
 
-/// Calls; errors of the data become FileError that name the file.
+/// Calls `call`; errors of the data become FileError with the file name.
 template <class Call>
 auto naming(const std::string& file, const Console& console, Call call) {
   try {
@@ -45,13 +45,15 @@ auto naming(const std::string& file, const Console& console, Call call) {
   }
 }
 
-/// --class and --without-class. `of`: whose points they choose, where a command reads several clouds: " of the
-/// reference".
+/// Adds a surface (mesh, points or function), as a positional argument. Files is a text or a vector of texts.
+template <class Files>
+void add_surface_input(CommandLine& command, const std::string& name, Files& files, const std::string& what);
+/// Adds --class and --without-class. `of`: the cloud, for commands that read several: " of the reference".
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
-/// The files, --class and --without-class. `what` describes the files; `as_one`: several of them are one.
+/// Adds the files, --class and --without-class. `what` describes the files; `as_one`: several files form one cloud.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what, bool as_one = true);
 
-/// How fine and how noisy a cloud is, as it was read: the same by every command that says so of a file.
+/// Spacing and noise of a cloud as read; all commands report these values.
 struct CloudScale {
   double spacing = 0;
   NoiseEstimate noise;

@@ -12,7 +12,7 @@ FlowModel FlowInput::open(Console& console) const {
   return opened;
 }
 
-ReadFlow FlowInput::told(const FlowModel& opened, Progress& progress) const {
+ReadFlow FlowInput::report(const FlowModel& opened, Progress& progress) const {
   return {{volume.files},
           opened.volume() ? std::optional(volume_use(*opened.volume(), progress)) : std::nullopt,
           opened.vectors().empty() ? opened.name() : opened.vectors()};
@@ -21,8 +21,7 @@ ReadFlow FlowInput::told(const FlowModel& opened, Progress& progress) const {
 const ReportSchema& ReadFlow::schema() {
   static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadFlow>(), reported_beside<&ReadFlow::volume>(),
                                        reported<&ReadFlow::vectors>({.text = "Array of vectors, or the formula"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 void add_flow_input(CommandLine& c, FlowInput& input) {
@@ -47,10 +46,10 @@ void add_times_option(CommandLine& c, std::vector<double>& times, const char* gr
                              "--times",
                              [&times](const std::string& text) {
                                const auto read = numbers_in(text);
-                               if (!read) throw must_be("numbers with commas between them", text);
+                               if (!read) throw must_be("comma-separated numbers", text);
                                times.insert(times.end(), read->begin(), read->end());
                              },
-                             "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
+                             "With --unsteady: times of the files, T0,T1,…, or the first and the interval [0,1]")
                             .type_name("TIMES");
   if (group != nullptr) option.group(group);
 }

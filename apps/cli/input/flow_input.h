@@ -1,4 +1,4 @@
-// A flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
+// Flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace sansmesh::cli {
 
-/// A report on a flow that was read.
+/// Report of a flow that was read.
 struct ReadFlow : ReadFiles {
-  std::optional<VolumeUse> volume;  ///< of steady ones
+  std::optional<VolumeUse> volume;  ///< of a steady flow
   std::string vectors;
 
   static const ReportSchema& schema();
@@ -22,20 +22,20 @@ struct FlowInput {
   VolumeInput volume;
   FlowModelOptions flow;
 
-  /// Warnings go to the console.
+  /// Warnings are sent to the console.
   FlowModel open(Console& console) const;
-  ReadFlow told(const FlowModel& opened, Progress& progress) const;
+  ReadFlow report(const FlowModel& opened, Progress& progress) const;
 };
 
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation and --memory.
 void add_flow_input(CommandLine& command, FlowInput& input);
-/// The same with the options of the surfaces of a flow: --seeds, --kind, --direction, …
+/// Also adds the options of flow surfaces: --seeds, --kind, --direction, …
 void add_flow_surface_input(CommandLine& command, FlowInput& input, TraceSurfaceOptions& options);
 
 /// --times
 void add_times_option(CommandLine& command, std::vector<double>& times, const char* group = nullptr);
 
-/// What the footers of these commands say of DATA.
+/// Footer text about DATA of these commands.
 inline constexpr const char* kFlowsByFormula =
     "DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n";
 

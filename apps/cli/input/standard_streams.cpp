@@ -9,7 +9,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// The ending that goes without saying; empty if there is none. Output has the first of the formats that it may have.
+/// Default ending: the only one of the option, or the first one for output; otherwise empty.
 std::string ending_by_itself(const OptionEntry& option, bool written) {
   return option.endings.size() == 1 || (written && !option.endings.empty()) ? option.endings[0] : "";
 }

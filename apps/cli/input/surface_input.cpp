@@ -12,21 +12,20 @@ const ReportSchema& ReadSurface::schema() {
       reported_base<ReadFiles, ReadSurface>(),
       reported<&ReadSurface::kind>({.text = "Kind of the surface: mesh, points, function or isosurface"}),
       reported_beside<&ReadSurface::volume>(),
-      reported<&ReadSurface::value>({.text = "Value of an isosurface", .unit = "unit of the array"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+      reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"})};
+  return report_schema<rows>();
 }
 
 SurfaceInput open_surface(const CloudInput& input, Console& console) {
   const std::string file = input.name();
-  ReadSurface told{input.told()};
+  ReadSurface report{input.report()};
   ReadReport read;
   const auto opened = [&]() -> AnySurface {
     if (const auto name = input.files.size() == 1 ? parse_isosurface_name(file) : std::nullopt) {
       NamedIsosurface named = open_isosurface(*name, console);
-      told.files = {name->file};
-      told.volume = std::move(named.use);
-      told.value = name->value;
+      report.files = {name->file};
+      report.volume = std::move(named.use);
+      report.value = name->value;
       return {std::move(named.surface), file};
     }
     if (input.is_function()) {
@@ -36,8 +35,8 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
     return {to_mesh(input.read(console, read)), file};
   };
   AnySurface surface = opened();
-  told.kind = surface.kind_word();
-  return {std::move(surface), std::move(told), std::move(read)};
+  report.kind = surface.kind_word();
+  return {std::move(surface), std::move(report), std::move(read)};
 }
 
 SolidModel open_solid(const std::string& expression, Console& console) {

@@ -1,4 +1,4 @@
-// A surface from a file, whatever says where it is: triangles, points, a function, or a value in a volume.
+// Surface from a file: triangles, points, a function, or an isosurface of a volume.
 #pragma once
 
 #include <optional>
@@ -12,23 +12,23 @@
 
 namespace sansmesh::cli {
 
-/// A report on a surface that was read.
+/// Report of a surface that was read.
 struct ReadSurface : ReadFiles {
-  std::string kind;                 ///< in a word
-  std::optional<VolumeUse> volume;  ///< of isosurfaces
-  std::optional<double> value;      ///< of isosurfaces
+  std::string kind = {};                 ///< kind of the surface
+  std::optional<VolumeUse> volume = {};  ///< for isosurfaces
+  std::optional<double> value = {};      ///< for isosurfaces
 
   static const ReportSchema& schema();
 };
 
 struct SurfaceInput {
   AnySurface surface;
-  ReadSurface told;
-  ReadReport read;  ///< what the reader said; empty for functions and isosurfaces
+  ReadSurface report;
+  ReadReport read;  ///< notes of the reader; empty for functions and isosurfaces
 };
 
-/// Reads the file, or several as one, and of points those of the classes chosen; warnings go to the console. Errors of
-/// the data are thrown as FileError that name the file.
+/// Reads one file, or several as one, and keeps points of the selected classes. Warnings are sent to the console.
+/// Errors of the data are thrown as FileError with the file name.
 SurfaceInput open_surface(const CloudInput& input, Console& console);
 
 /// Reads a solid from an expression (read_solid) and prints its notes. Throws FileError and ArgumentError.

@@ -1,7 +1,5 @@
 #include "cli/input/volume_input.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "cli/line/command_line.h"
@@ -11,8 +9,7 @@ namespace sansmesh::cli {
 
 const ReportSchema& ReadVolume::schema() {
   static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadVolume>(), reported_beside<&ReadVolume::use>()};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 VolumeModel VolumeInput::open(Console& console) const {
@@ -38,17 +35,17 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
   add_schema(c, input.reconstruction, {.group = "Reconstruction", .only = {"method"}});
 }
 
-bool says_volume(std::vector<std::string>& files) {
-  const bool said = files.size() > 1 && files[0] == "data";
-  if (said) files.erase(files.begin());
-  return said;
+bool take_volume_word(std::vector<std::string>& files) {
+  const bool found = files.size() > 1 && files[0] == "data";
+  if (found) files.erase(files.begin());
+  return found;
 }
 
 bool are_volumes(const std::vector<std::string>& files) {
   return std::all_of(files.begin(), files.end(), holds_volume);
 }
 
-bool names_volume(std::vector<std::string>& files) { return says_volume(files) || are_volumes(files); }
+bool is_volume_input(std::vector<std::string>& files) { return take_volume_word(files) || are_volumes(files); }
 
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   VolumeInput input;
@@ -62,7 +59,7 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   return named;
 }
 
-void VolumeColors::put_into(VolumePictureOptions& options) const {
+void VolumeColors::apply_to(VolumePictureOptions& options) const {
   options.preset = look.preset;
   options.opacity_factor = look.opacity_factor;
   options.isos = look.isos;
@@ -71,7 +68,7 @@ void VolumeColors::put_into(VolumePictureOptions& options) const {
 
 void VolumeColors::add_options(CommandLine& c, const char* group) {
   add_schema(c, look, {.group = group, .only = {"preset", "opacity_factor", "iso"}});
-  c.add_option("--transfer", transfer, "Colours and opacities from a file: JSON of ours or a colour map of ParaView")
+  c.add_option("--transfer", transfer, "Read colours and opacities from a file: our JSON or a colour map of ParaView")
       .reads()
       .group(group);
 }

@@ -1,4 +1,4 @@
-// A volume that a command reads, which of its arrays, and how that becomes a field.
+// Volume that a command reads: its files, array and reconstruction.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/report/console.h"
-#include "cli/report/told_files.h"
+#include "cli/report/file_reports.h"
 #include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/volume_look.h"
 #include "sansmesh/volumes.h"
@@ -17,7 +17,7 @@ namespace sansmesh::cli {
 
 class CommandLine;
 
-/// A report on a volume that was read and used.
+/// Report of a volume that was read and used.
 struct ReadVolume : ReadFiles {
   VolumeUse use;
 
@@ -25,32 +25,32 @@ struct ReadVolume : ReadFiles {
 };
 
 struct VolumeInput : VolumeModelOptions {
-  std::vector<std::string> files;  ///< at least one once the command line is read
+  std::vector<std::string> files;  ///< not empty after parsing
 
   std::string name() const { return volume_name(files); }
-  ReadFiles told() const { return {files}; }
-  /// The same with what was made of it.
-  ReadVolume told(VolumeModel& volume, Progress& progress) const { return {{files}, volume_use(volume, progress)}; }
-  /// Warnings go to the console.
+  ReadFiles report() const { return {files}; }
+  /// Also reports its use.
+  ReadVolume report(VolumeModel& volume, Progress& progress) const { return {{files}, volume_use(volume, progress)}; }
+  /// Warnings are sent to the console.
   VolumeModel open(Console& console) const;
 };
 
-/// The same, --array, and --method with its options.
+/// Adds files, --array, and --method with its options.
 void add_volume_input(CommandLine& command, VolumeInput& input);
-/// --array and --method.
+/// Adds --array and --method.
 void add_volume_array(CommandLine& command, VolumeInput& input);
-/// How raw files and those of several steps are read: --dims, --type, …
+/// Adds options for raw files and files with several steps: --dims, --type, …
 void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 
-/// Takes the word `data` away from the front of files that were given to a command of points. Returns true if it was
-/// there: it says that the files are a volume.
-bool says_volume(std::vector<std::string>& files);
-/// Returns true if every file can be nothing but a volume, by its name or content.
+/// Removes the leading word `data` from the files of a command for points. Returns true if it was there, which marks
+/// the files as a volume.
+bool take_volume_word(std::vector<std::string>& files);
+/// Whether every file must be a volume, by its name or content.
 bool are_volumes(const std::vector<std::string>& files);
-/// Returns true if the word says so, or the files can be nothing else.
-bool names_volume(std::vector<std::string>& files);
+/// Whether the leading word `data`, or the files, indicate a volume.
+bool is_volume_input(std::vector<std::string>& files);
 
-/// A surface in a volume that is named FILE[ARRAY=VALUE].
+/// Isosurface named FILE[ARRAY=VALUE].
 struct NamedIsosurface {
   std::shared_ptr<const Isosurface> surface;
   VolumeUse use;
@@ -64,15 +64,15 @@ inline constexpr const char* kReadableVolumes =
     "volumes (.smv, made by volume fit).\n"
     "Several files are the blocks of one volume.";
 
-/// Look of a volume in a picture: --preset, --transfer, --opacity-factor and --iso.
+/// Appearance of a volume in a picture: --preset, --transfer, --opacity-factor and --iso.
 struct VolumeColors {
   VolumePictureOptions look;  ///< its preset, opacity and iso-surfaces
-  std::string transfer;       ///< a file
+  std::string transfer;       ///< file name
 
-  /// None of the options was given.
-  bool usual() const { return transfer.empty() && options_set(look).empty(); }
-  /// Reads the transfer function's file. Throws FileError and ArgumentError.
-  void put_into(VolumePictureOptions& options) const;
+  /// Whether none of the options was given.
+  bool is_default() const { return transfer.empty() && options_set(look).empty(); }
+  /// Reads the file of the transfer function. Throws FileError and ArgumentError.
+  void apply_to(VolumePictureOptions& options) const;
   void add_options(CommandLine& command, const char* group);
 };
 

@@ -1,5 +1,5 @@
-// A command of the tool: how it is spelled, and what happens when it was chosen. Each command's source has a function
-// add_NAME(app) that declares its options and returns it; CMakeLists.txt lists them.
+// A command of the tool: its options and its action. Each command's source has a function add_NAME(app) that declares
+// its options and returns it; CMakeLists.txt lists them.
 #pragma once
 
 #include <functional>
@@ -12,13 +12,12 @@
 namespace sansmesh::cli {
 
 struct Command {
-  CommandLine* line;  ///< the subcommand, with its own options; those of every command are added by command_table.cpp
-  /// Called once after parsing. Its arguments live in what it has captured. Errors are thrown.
+  CommandLine* line;  ///< the subcommand with its own options; command_table.cpp adds the common ones
+  /// Called once after parsing; captures its arguments. Throws errors.
   std::function<void(Console&)> run;
 };
 
-/// A command that a program adds to those of the tool: `static const Registered<CommandEntry> mine({"mine",
-/// add_mine});`
+/// A command that a program adds to the tool: `static const Registered<CommandEntry> mine({"mine", add_mine});`
 struct CommandEntry {
   std::string_view name;
   Command (*add)(CommandLine& app);

@@ -10,18 +10,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// "-o", "--output" of "-o,--output".
-std::vector<std::string> split_names(const std::string& names) {
-  std::vector<std::string> list;
-  for (std::size_t at = 0; at <= names.size();) {
-    const std::size_t end = std::min(names.find(',', at), names.size());
-    list.push_back(names.substr(at, end - at));
-    at = end + 1;
-  }
-  return list;
-}
-
-// How the variable of an option is read: its kind, and its value from words.
+// Kind of an option's variable, and conversion of words to its value.
 template <class T>
 struct Variable;
 
@@ -101,7 +90,7 @@ Option Option::repeated() const {
   entry_->several = false;
   return *this;
 }
-Option Option::once_called(const std::string& name) const {
+Option Option::former_name(const std::string& name) const {
   entry_->old_names.push_back(name);
   return *this;
 }
@@ -120,9 +109,9 @@ Option Option::names_file(OptionEntry::File file, const std::vector<std::string>
 CommandLine::CommandLine(const std::string& what, const std::string& name) : name_(name), what_(what) {}
 CommandLine::~CommandLine() = default;
 
-OptionEntry& CommandLine::add(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
+OptionEntry& CommandLine::add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
   OptionEntry& entry = *options_.emplace_back(std::make_unique<OptionEntry>());
-  entry.names = split_names(names);
+  entry.names = between_commas(names);
   entry.kind = kind;
   entry.what = what;
   return entry;
@@ -130,7 +119,7 @@ OptionEntry& CommandLine::add(const std::string& names, OptionEntry::Kind kind, 
 
 template <class T>
 Option CommandLine::add_option(const std::string& names, T& variable, const std::string& what) {
-  OptionEntry& entry = add(names, Read<T>::kind, what);
+  OptionEntry& entry = add_entry(names, Read<T>::kind, what);
   entry.several = Read<T>::several;
   entry.use = [&variable](const std::vector<std::string>& words) { Read<T>::from(variable, words); };
   return Option(entry);
@@ -144,7 +133,7 @@ template Option CommandLine::add_option(const std::string&, std::optional<std::s
 
 Option CommandLine::add_option_function(const std::string& names, std::function<void(const std::string&)> use,
                                         const std::string& what) {
-  OptionEntry& entry = add(names, OptionEntry::Kind::text, what);
+  OptionEntry& entry = add_entry(names, OptionEntry::Kind::text, what);
   entry.use = [use = std::move(use)](const std::vector<std::string>& words) {
     for (const std::string& word : words) use(word);
   };
@@ -155,7 +144,7 @@ Option CommandLine::add_flag(const std::string& names, bool& variable, const std
       names, [&variable] { variable = true; }, what);
 }
 Option CommandLine::add_flag_callback(const std::string& names, std::function<void()> use, const std::string& what) {
-  OptionEntry& entry = add(names, OptionEntry::Kind::flag, what);
+  OptionEntry& entry = add_entry(names, OptionEntry::Kind::flag, what);
   entry.use = [use = std::move(use)](const std::vector<std::string>&) { use(); };
   return Option(entry);
 }
@@ -168,11 +157,28 @@ CommandLine& CommandLine::add_subcommand(const std::string& name, const std::str
   return command;
 }
 
-const CommandLine& CommandLine::subcommand(const std::string& name) const {
-  return **std::find_if(commands_.begin(), commands_.end(), [&](const auto& c) { return c->name_ == name; });
+CommandLine* CommandLine::subcommand(const std::string& word) const {
+  for (const auto& command : commands_)
+    if (command->name_ == word || (!word.empty() && command->old_name_ == word)) return command.get();
+  return nullptr;
 }
 
-const OptionEntry* CommandLine::find(const std::string& flag) const {
+std::vector<std::string> CommandLine::command_names() const {
+  std::vector<std::string> names;
+  for (const auto& command : commands_) names.push_back(command->name_);
+  return names;
+}
+
+std::vector<const CommandLine*> CommandLine::with_subcommands() const {
+  std::vector<const CommandLine*> all{this};
+  for (const auto& command : commands_) {
+    const std::vector<const CommandLine*> further = command->with_subcommands();
+    all.insert(all.end(), further.begin(), further.end());
+  }
+  return all;
+}
+
+OptionEntry* CommandLine::find(const std::string& flag) const {
   if (flag.empty()) return nullptr;
   for (const auto names : {&OptionEntry::names, &OptionEntry::old_names})
     for (const auto& option : options_)
@@ -182,11 +188,8 @@ const OptionEntry* CommandLine::find(const std::string& flag) const {
   return parent_ && common_ ? root().find(flag) : nullptr;
 }
 
-OptionEntry* CommandLine::find(const std::string& flag) {
-  return const_cast<OptionEntry*>(static_cast<const CommandLine*>(this)->find(flag));
-}
-
 std::string CommandLine::full_name() const { return parent_ ? parent_->full_name() + " " + name_ : name_; }
+std::string CommandLine::path() const { return parent_ ? full_name().substr(root().name_.size() + 1) : ""; }
 
 const CommandLine& CommandLine::root() const { return parent_ ? parent_->root() : *this; }
 CommandLine& CommandLine::root() { return parent_ ? parent_->root() : *this; }

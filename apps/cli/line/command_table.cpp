@@ -18,18 +18,18 @@ Examples:
   sansmesh assess surface.ply reference.ply
   sansmesh help COMMAND
 
-Lengths are in the unit of the input. What is not given is chosen from the data.
-Exit codes: 0 done, 1 a file or its data is at fault, 2 the command line is, 130 interrupted.)";
+Lengths are in the unit of the input. Options that are not given are chosen from the data.
+Exit codes: 0 success, 1 error in a file or its data, 2 error in the command line, 130 interrupted.)";
 
 void add_common(CommandLine& line, CommonArguments& common) {
   line.add_flag("--json", common.console.json, "Print the results as one JSON object");
-  line.add_flag("--verbose", common.console.verbose, "Print the time that each stage took");
-  line.add_flag("--quiet", common.console.quiet, "Print errors and nothing else");
+  line.add_flag("--verbose", common.console.verbose, "Print the time of each stage");
+  line.add_flag("--quiet", common.console.quiet, "Print only errors");
   line.add_option("--threads", common.threads, "Number of threads; results do not depend on it [all cores]")
       .within(1, ThreadScope::kMost)
       .type_name("COUNT");
   line.add_flag_callback(
-      "-h,--help", [] {}, "Print what people use first, and the names of the other options");
+      "-h,--help", [] {}, "Print the basic options, and the names of the others");
   line.add_flag_callback(
       "--help-all", [] {}, "Print every option");
   line.add_flag_callback(
@@ -46,10 +46,7 @@ Registry<CommandEntry>& CommandEntry::registry() {
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   line.footer(kExamples);
   add_common(line, common);
-  std::vector<Command> commands;
-  for (const auto add : own_commands()) commands.push_back(add(line));
-  for (Command& command : add_volume(line)) commands.push_back(std::move(command));
-  for (Command& command : add_flow(line)) commands.push_back(std::move(command));
+  std::vector<Command> commands = own_commands(line);
   for (const CommandEntry* const entry : CommandEntry::registry().all()) commands.push_back(entry->add(line));
   for (const auto add : {add_help, add_completion, add_manual, add_schema_command}) commands.push_back(add(line));
   for (const Command& command : commands) name_flags(*command.line);

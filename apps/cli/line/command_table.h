@@ -1,4 +1,4 @@
-// The table of all commands, and the options that all of them have.
+// Table of all commands, and the options that all of them have.
 #pragma once
 
 #include <vector>
@@ -13,10 +13,10 @@ struct CommonArguments {
   int threads = 0;
 };
 
-/// Functions that add the commands which apps/cli/CMakeLists.txt lists, in its order; made from that list.
-std::vector<Command (*)(CommandLine& app)> own_commands();
+/// Declares the commands and groups of commands that apps/cli/CMakeLists.txt lists, in its order; made from that list.
+std::vector<Command> own_commands(CommandLine& app);
 
-/// Declares the commands and their options. `line` is the whole tool; it and `common` live until a command has run.
+/// Declares the commands and their options. `line` is the whole tool; it and `common` must outlive the run.
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common);
 
 }  // namespace sansmesh::cli

@@ -1,4 +1,4 @@
-// Commands that apps/cli/CMakeLists.txt does not list: those about the tool itself, groups, and the commands of these.
+// Commands not listed in apps/cli/CMakeLists.txt: those about the tool itself, groups, and the commands of groups.
 #pragma once
 
 #include <string>
@@ -28,7 +28,7 @@ Command add_flow_lines(CommandLine& flow);
 Command add_flow_render(CommandLine& flow);
 Command add_flow_surface(CommandLine& flow);
 
-/// Throws FileError early if no function file of that name can be written.
+/// Throws FileError early if the function file cannot be written.
 void check_function_writable(const std::string& file);
 
 }  // namespace sansmesh::cli

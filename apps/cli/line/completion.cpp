@@ -1,6 +1,6 @@
 #include "cli/line/completion.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -12,22 +12,15 @@
 namespace sansmesh::cli {
 namespace {
 
-/// All commands that have some, or options, with their names below the root: "", "reconstruct", "volume", "volume
-/// probe".
-void collect_commands(const CommandLine& line, const std::string& name,
-                      std::vector<std::pair<std::string, const CommandLine*>>& all) {
-  all.emplace_back(name, &line);
-  for (const auto& command : line.commands())
-    collect_commands(*command, name.empty() ? command->name() : name + " " + command->name(), all);
+/// "'reconstruct'|'volume'|'volume probe'" with this separator.
+std::string quoted_paths(const CommandLine& root, const char* separator) {
+  std::vector<std::string> paths;
+  for (const CommandLine* const command : root.with_subcommands())
+    if (command->parent()) paths.push_back("'" + command->path() + "'");
+  return fmt::format("{}", fmt::join(paths, separator));
 }
 
-std::vector<std::pair<std::string, const CommandLine*>> all_commands(const CommandLine& root) {
-  std::vector<std::pair<std::string, const CommandLine*>> all;
-  collect_commands(root, "", all);
-  return all;
-}
-
-/// Its own options and those of every command; without those that are told from their place.
+/// A command's own and global options, without positional ones.
 std::vector<const OptionEntry*> typed_options(const CommandLine& command) {
   std::vector<const OptionEntry*> list;
   for (const OptionGroup& group : option_groups_of(command))
@@ -36,25 +29,19 @@ std::vector<const OptionEntry*> typed_options(const CommandLine& command) {
   return list;
 }
 
-std::vector<const OptionEntry*> places_of(const CommandLine& command) {
+std::vector<const OptionEntry*> positional_options(const CommandLine& command) {
   std::vector<const OptionEntry*> list;
   for (const auto& option : command.options())
     if (option->positional()) list.push_back(option.get());
   return list;
 }
 
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
-/// "ply|obj" of the endings that fit; empty if all files do.
+/// "ply|obj" for the matching endings; empty if all files match.
 std::string endings_pattern(const OptionEntry& option) {
   std::vector<std::string> bare;
   bare.reserve(option.endings.size());
   for (const std::string& ending : option.endings) bare.push_back(ending.substr(1));
-  return joined(bare, "|");
+  return fmt::format("{}", fmt::join(bare, "|"));
 }
 
 std::string in_single_quotes(const std::string& text, const std::string& quote) {
@@ -98,16 +85,16 @@ constexpr const char* kBashEnd = R"(  esac
 complete -F _sansmesh sansmesh
 )";
 
-/// What completes the value of an option; empty if nothing can.
+/// Completion action for the value of an option; empty if there is none.
 std::string bash_action(const OptionEntry& option) {
-  if (!option.words.empty()) return fmt::format("_sansmesh_words '{}'", joined(option.words, " "));
+  if (!option.words.empty()) return fmt::format("_sansmesh_words '{}'", fmt::join(option.words, " "));
   if (option.is_file()) return fmt::format("_sansmesh_files '{}'", endings_pattern(option));
   return "";
 }
 
 // --- zsh
 
-/// A text within a specification of _arguments, which stands in single quotes.
+/// Text inside a single-quoted specification of _arguments.
 std::string zsh_text(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -119,11 +106,11 @@ std::string zsh_text(const std::string& text) {
   return safe;
 }
 
-/// ":name:action" of a value.
+/// ":name:action" for a value.
 std::string zsh_value(const OptionEntry& option) {
   std::string action = " ";
   if (!option.words.empty()) {
-    action = "(" + joined(option.words, " ") + ")";
+    action = fmt::format("({})", fmt::join(option.words, " "));
   } else if (option.is_file()) {
     const std::string endings = endings_pattern(option);
     action = endings.empty() ? "_files" : fmt::format("_files -g \"*.(#i)({})(.gz|)\"", endings);
@@ -132,7 +119,7 @@ std::string zsh_value(const OptionEntry& option) {
 }
 
 std::string zsh_option(const OptionEntry& option) {
-  const std::string names = joined(option.names, " ");
+  const std::string names = fmt::format("{}", fmt::join(option.names, " "));
   const std::string once = option.repeated ? "*" : "(" + names + ")";
   std::string text;
   for (const std::string& name : option.names) {
@@ -145,21 +132,21 @@ std::string zsh_option(const OptionEntry& option) {
   return text;
 }
 
-std::string function_name(const std::string& command) {
-  std::string name = "_sansmesh";
-  for (const char c : command.empty() ? command : " " + command) name += c == ' ' ? '_' : c;
+std::string function_name(const CommandLine& command) {
+  std::string name = "_" + command.full_name();
+  std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
 
-std::string zsh_function(const std::string& name, const CommandLine& command) {
-  std::string text = function_name(name) + "() {\n";
+std::string zsh_function(const CommandLine& command) {
+  std::string text = function_name(command) + "() {\n";
   const bool further = !command.commands().empty();
   if (further) text += "  local curcontext=$curcontext state line\n  typeset -A opt_args\n";
   text += further ? "  _arguments -C \\\n" : "  _arguments -s -S \\\n";
   for (const OptionEntry* option : typed_options(command)) text += zsh_option(*option);
   if (!further) {
     std::size_t place = 0;
-    for (const OptionEntry* option : places_of(command))
+    for (const OptionEntry* option : positional_options(command))
       text += option->several ? fmt::format("    '*{}' \\\n", zsh_value(*option))
                               : fmt::format("    '{}{}' \\\n", ++place, zsh_value(*option));
     text.erase(text.rfind(" \\\n"));
@@ -169,9 +156,7 @@ std::string zsh_function(const std::string& name, const CommandLine& command) {
   text += "  case $state in\n    command)\n      local -a commands=(\n";
   for (const auto& c : command.commands()) text += fmt::format("        '{}:{}'\n", c->name(), zsh_text(c->what()));
   text += "      )\n      _describe command commands ;;\n    argument)\n      case $line[1] in\n";
-  for (const auto& c : command.commands())
-    text +=
-        fmt::format("        {}) {} ;;\n", c->name(), function_name(name.empty() ? c->name() : name + " " + c->name()));
+  for (const auto& c : command.commands()) text += fmt::format("        {}) {} ;;\n", c->name(), function_name(*c));
   return text + "      esac ;;\n  esac\n}\n";
 }
 
@@ -202,17 +187,17 @@ complete -c sansmesh -f
 )";
 
 std::string fish_words(const OptionEntry& option) {
-  if (!option.words.empty()) return "-a " + in_single_quotes(joined(option.words, " "), "\\'");
+  if (!option.words.empty()) return "-a " + in_single_quotes(fmt::format("{}", fmt::join(option.words, " ")), "\\'");
   if (option.is_file()) return fmt::format("-a '(__sansmesh_files \"{}\")'", endings_pattern(option));
   return "";
 }
 
-std::string fish_lines(const std::string& name, const CommandLine& command) {
-  const std::string begin = fmt::format("complete -c sansmesh -n '__sansmesh_at \"{}\"'", name);
+std::string fish_lines(const CommandLine& command) {
+  const std::string begin = fmt::format("complete -c sansmesh -n '__sansmesh_at \"{}\"'", command.path());
   std::string text;
   for (const auto& c : command.commands())
     text += fmt::format("{} -a {} -d {}\n", begin, c->name(), in_single_quotes(c->what(), "\\'"));
-  for (const OptionEntry* option : places_of(command))
+  for (const OptionEntry* option : positional_options(command))
     if (const std::string words = fish_words(*option); !words.empty())
       text.append(begin).append(" ").append(words).append("\n");
   for (const OptionEntry* option : typed_options(command)) {
@@ -231,59 +216,50 @@ std::string fish_lines(const std::string& name, const CommandLine& command) {
 }  // namespace
 
 std::string bash_completion(const CommandLine& root) {
-  const auto commands = all_commands(root);
+  const std::vector<const CommandLine*> commands = root.with_subcommands();
   std::string text = kBashBegin;
-  std::vector<std::string> names;
-  for (const auto& [name, command] : commands)
-    if (!name.empty()) names.push_back("'" + name + "'");
-  text += "      " + joined(names, "|") + ") command=$word ;;\n    esac\n  done\n";
-  // Values: the options that are completed in the same way are one line.
+  text += fmt::format("      {}) command=$word ;;\n    esac\n  done\n", quoted_paths(root, "|"));
+  // Options with the same completion share one line.
   std::map<std::string, std::vector<std::string>> values;
-  for (const auto& [name, command] : commands)
+  for (const CommandLine* const command : commands)
     for (const OptionEntry* option : typed_options(*command))
       for (const std::string& flag : option->names)
         if (option->kind != OptionEntry::Kind::flag && !option->implied)
-          values[bash_action(*option)].push_back(fmt::format("'{} {}'", name, flag));
+          values[bash_action(*option)].push_back(fmt::format("'{} {}'", command->path(), flag));
   text += "  case \"$command $previous\" in\n";
   for (const auto& [action, patterns] : values)
-    text += fmt::format("    {})\n      {}return ;;\n", joined(patterns, "|"), action.empty() ? "" : action + "; ");
+    text += fmt::format("    {})\n      {}return ;;\n", fmt::join(patterns, "|"), action.empty() ? "" : action + "; ");
   text += "  esac\n  if [[ $current == -* ]]; then\n    case $command in\n";
-  for (const auto& [name, command] : commands) {
+  for (const CommandLine* const command : commands) {
     std::vector<std::string> flags;
     for (const OptionEntry* option : typed_options(*command))
       flags.insert(flags.end(), option->names.begin(), option->names.end());
-    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", name, joined(flags, " "));
+    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", command->path(), fmt::join(flags, " "));
   }
   text += "    esac\n    return\n  fi\n  case $command in\n";
-  for (const auto& [name, command] : commands) {
+  for (const CommandLine* const command : commands) {
     std::string action;
     if (!command->commands().empty()) {
-      std::vector<std::string> further;
-      for (const auto& c : command->commands()) further.push_back(c->name());
-      action = fmt::format("_sansmesh_words '{}'", joined(further, " "));
-    } else if (const auto places = places_of(*command); !places.empty()) {
-      action = bash_action(*places.back());
+      action = fmt::format("_sansmesh_words '{}'", fmt::join(command->command_names(), " "));
+    } else if (const auto positional = positional_options(*command); !positional.empty()) {
+      action = bash_action(*positional.back());
     }
-    if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", name, action);
+    if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", command->path(), action);
   }
   return text + kBashEnd;
 }
 
 std::string zsh_completion(const CommandLine& root) {
   std::string text = "#compdef sansmesh\n# Completion of sansmesh for zsh, made by `sansmesh completion zsh`.\n";
-  for (const auto& [name, command] : all_commands(root)) text += zsh_function(name, *command);
-  // As a function of $fpath it is called; as a script that was read it has to say what it completes.
+  for (const CommandLine* const command : root.with_subcommands()) text += zsh_function(*command);
+  // A file in $fpath is called as a function; a sourced script must register itself.
   return text +
          "if [[ $funcstack[1] == _sansmesh ]]; then\n  _sansmesh \"$@\"\nelse\n  compdef _sansmesh sansmesh\nfi\n";
 }
 
 std::string fish_completion(const CommandLine& root) {
-  const auto commands = all_commands(root);
-  std::vector<std::string> names;
-  for (const auto& [name, command] : commands)
-    if (!name.empty()) names.push_back("'" + name + "'");
-  std::string text = "set -g __sansmesh_commands " + joined(names, " ") + "\n" + kFishBegin;
-  for (const auto& [name, command] : commands) text += fish_lines(name, *command);
+  std::string text = fmt::format("set -g __sansmesh_commands {}\n{}", quoted_paths(root, " "), kFishBegin);
+  for (const CommandLine* const command : root.with_subcommands()) text += fish_lines(*command);
   return text;
 }
 

@@ -1,4 +1,4 @@
-// Shell completion, made from the table of options.
+// Shell completion, generated from the table of options.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sansmesh::cli {
 
-/// Scripts that complete commands, options, the words of choices, and names of files with endings that fit.
+/// Scripts that complete commands, options, choices, and file names with matching endings.
 std::string bash_completion(const CommandLine& root);
 std::string zsh_completion(const CommandLine& root);
 std::string fish_completion(const CommandLine& root);

@@ -34,8 +34,8 @@ std::string words_of_error(const std::exception& error) {
   if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
     return of_file->path1().string() + ": cannot be used (" + of_file->code().message() + ")";
   if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
-    return "the system refuses what is needed (" + of_system->code().message() + ")";
-  return std::string("an error in sansmesh itself, please report it (") + error.what() + ")";
+    return "the system refuses a resource (" + of_system->code().message() + ")";
+  return std::string("internal error of sansmesh, please report it (") + error.what() + ")";
 }
 
 }  // namespace sansmesh::cli

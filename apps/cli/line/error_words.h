@@ -1,4 +1,4 @@
-// Errors in the words of a command.
+// Error messages with flags of a command.
 #pragma once
 
 #include <exception>
@@ -9,9 +9,9 @@
 
 namespace sansmesh::cli {
 
-/// Message of an error of a file; if the file is not there, with the name that may have been meant.
+/// Message of a file error; for a missing file, with a suggestion of similar names.
 std::string words_of_file_error(const FileError& error, const CommandLine& command);
-/// Message of any other exception; those of the standard library are told in our words.
+/// Message of any other exception; standard exceptions have our own texts.
 std::string words_of_error(const std::exception& error);
 
 }  // namespace sansmesh::cli

@@ -5,11 +5,11 @@
 namespace sansmesh::cli {
 namespace {
 
-/// What the command calls a field; empty if it has no option for it.
+/// Flag of a field in a command; empty if it has no option.
 std::string flag_of(std::string_view field, const CommandLine& command) {
   for (const auto& option : command.options())
     if (option->field == field) return option->name();
-  // A flag that turns its field on or, where there is no such flag, that which turns it off.
+  // A flag that sets its field or, if there is none, the flag that clears it.
   for (const auto& option : command.options())
     if (option->row && option->row->kind == OptionKind::flag &&
         (option->field + " = true" == field || option->row->name == field))
@@ -20,7 +20,7 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
   return command.has(flag) ? flag : std::string();
 }
 
-/// A field, or one with a value.
+/// Flag for a field, or for a field with a value.
 std::string translated(std::string_view code, const CommandLine& command) {
   std::string flag = flag_of(code, command);
   if (!flag.empty()) return flag;
@@ -28,7 +28,7 @@ std::string translated(std::string_view code, const CommandLine& command) {
   const std::size_t is = code.find(kIs);
   if (is != std::string_view::npos) flag = flag_of(code.substr(0, is), command);
   if (flag.empty()) return std::string(code);
-  // After a flag that may stand alone the next word is not its value.
+  // If the flag may stand alone, the next word would not be its value.
   const OptionEntry* const option = command.find(flag);
   return flag + (option && option->implied ? "=" : " ") + std::string(code.substr(is + kIs.size()));
 }

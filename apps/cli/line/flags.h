@@ -1,4 +1,4 @@
-// What the command line calls the options that messages of the library name by their fields.
+// Converts field names in messages of the library to flags of the command line.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@ namespace sansmesh::cli {
 
 class CommandLine;
 
-/// The flag of a name: `max_degree` has --max-degree.
+/// Flag of a name: --max-degree for `max_degree`.
 std::string flag_of_name(std::string_view name);
 
 /// A message in which options are named between grave accents (sansmesh/error.h), in the words of a command:
-/// `max_depth` becomes --depth, `enhance = false` --no-enhance, `components = all` --components all. Names for which
-/// the command has no option stay as they are, without the accents.
+/// Replaces `max_depth` by --depth, `enhance = false` by --no-enhance, `components = all` by --components all. Names
+/// without an option in the command stay, without the accents.
 std::string in_flags(const std::string& message, const CommandLine& command);
 
 }  // namespace sansmesh::cli

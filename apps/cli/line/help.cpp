@@ -1,4 +1,4 @@
-// sansmesh help, completion and manual: what the tool tells of itself.
+// Commands `help`, `completion` and `manual`.
 #include <string>
 #include <vector>
 
@@ -11,27 +11,17 @@
 #include "sansmesh/io.h"
 
 namespace sansmesh::cli {
-namespace {
-
-/// Writes the page of a command, and those of all its commands.
-void write_pages(const CommandLine& command, const std::string& folder) {
-  write_text(folder + "/" + manual_page_name(command), manual_page(command, SANSMESH_VERSION));
-  for (const auto& further : command.commands()) write_pages(*further, folder);
-}
-
-}  // namespace
 
 Command add_help(CommandLine& app) {
   CommandLine& c = app.add_subcommand("help", "Help on a command");
   c.without_common_options();
   auto words = std::make_shared<std::vector<std::string>>();
   auto all = std::make_shared<bool>(false);
-  c.add_option(
-       "command", *words,
-       "Command, and if it has some, which of its own; then a heading of its options may follow; or view: the options "
-       "of all pictures [all commands]")
+  c.add_option("command", *words,
+               "Command or group with a command, optionally followed by a heading of its options; or view: the options "
+               "of all pictures [all commands]")
       .type_name("COMMAND");
-  c.add_flag("--all", *all, "Every option, as --help-all");
+  c.add_flag("--all", *all, "Print every option, as --help-all");
   c.footer(
       "Examples:\n"
       "  sansmesh help reconstruct\n"
@@ -56,7 +46,7 @@ Command add_completion(CommandLine& app) {
   auto shell = std::make_shared<std::string>();
   c.add_option("shell", *shell, "bash, zsh or fish").one_of({"bash", "zsh", "fish"}).type_name("SHELL").required();
   c.footer(
-      "cmake --install puts these scripts where the shells look for them.\n\n"
+      "cmake --install puts these scripts into the folders of the shells.\n\n"
       "Examples:\n"
       "  source <(sansmesh completion bash)\n"
       "  sansmesh completion zsh > ~/.zfunc/_sansmesh\n"
@@ -73,19 +63,19 @@ Command add_manual(CommandLine& app) {
   c.without_common_options();
   auto words = std::make_shared<std::vector<std::string>>();
   auto folder = std::make_shared<std::string>();
-  c.add_option("command", *words, "Command, and if it has some, which of its own [the tool]").type_name("COMMAND");
-  c.add_option("--folder", *folder, "Write it and the pages of all its commands into this folder").type_name("FOLDER");
+  c.add_option("command", *words, "Command or group with a command [the tool]").type_name("COMMAND");
+  c.add_option("--folder", *folder, "Write the page and those of all its commands into this folder")
+      .type_name("FOLDER");
   c.footer(
-      "cmake --install puts them where man looks for them: man sansmesh-reconstruct.\n\n"
+      "cmake --install puts the pages into the folder of man: man sansmesh-reconstruct.\n\n"
       "Examples:\n"
       "  sansmesh manual volume probe | man -l -\n"
       "  sansmesh manual --folder ~/.local/share/man/man1");
   return {&c, [words, folder, &app](Console&) {
             const CommandLine& command = command_of(app, *words);
-            if (folder->empty())
-              print_out(manual_page(command, SANSMESH_VERSION));
-            else
-              write_pages(command, *folder);
+            if (folder->empty()) return print_out(manual_page(command, SANSMESH_VERSION));
+            for (const CommandLine* const page : command.with_subcommands())
+              write_text(*folder + "/" + manual_page_name(*page), manual_page(*page, SANSMESH_VERSION));
           }};
 }
 

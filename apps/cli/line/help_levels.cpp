@@ -14,7 +14,7 @@ namespace sansmesh::cli {
 void arrange_help(std::span<const Command> commands) {
   for (const Command& entry : commands) {
     const CommandLine& command = *entry.line;
-    const std::string name = command.full_name().substr(command.root().name().size() + 1);
+    const std::string name = command.path();
     const std::vector<std::string_view> first = basic_options(name);
     for (const std::string_view option : first)
       if (!command.find("--" + std::string(option)))

@@ -1,4 +1,4 @@
-// Which options of a command its help shows at first.
+// Options that the short help of a command shows.
 #pragma once
 
 #include <span>
@@ -7,13 +7,11 @@
 
 namespace sansmesh::cli {
 
-/// Headings of options that are not shown at first: the same in all commands with pictures, and variants of the sources
-/// beside ours.
+/// Headings of options that the short help omits: the common options of pictures, and variants from publications.
 inline constexpr const char *kViewGroup = "View", *kSourcesGroup = "As in the sources";
 
-/// Marks the options that people use first, twenty a command at most, and puts those that choose what the sources do
-/// under a heading of their own. Called once each command has all of its options. Throws std::logic_error for options
-/// that a command has not.
+/// Marks up to twenty basic options per command, and moves options for published variants under their own heading.
+/// Called once each command has all of its options. Throws std::logic_error for options that a command does not have.
 void arrange_help(std::span<const Command> commands);
 
 }  // namespace sansmesh::cli

@@ -1,45 +1,44 @@
 #include "cli/line/help_text.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 
 #include "cli/line/help_levels.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh::cli {
 namespace {
 
 constexpr std::size_t kWidth = 110, kColumn = 28;
-constexpr const char* kExamplesHeading = "Examples:\n";
+constexpr std::string_view kExamplesHeading = "Examples:\n";
 
-/// Characters of UTF-8.
+/// Number of UTF-8 characters.
 std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-/// Words on the left, and beside them, in lines that are broken between words, what they mean.
+/// Words on the left, and their explanation on the right, wrapped between words.
 std::string entry_lines(const std::string& left, const std::string& right) {
   std::string text = "  " + left;
   std::size_t at = shown_width(text);
-  if (at + 1 > kColumn && !right.empty()) text += "\n", at = 0;
+  if (right.empty()) return text + "\n";
+  if (at + 1 > kColumn) text += "\n", at = 0;
   bool first = true;
-  for (std::size_t begin = 0; begin < right.size();) {
-    const std::size_t end = std::min(right.find(' ', begin), right.size());
-    const std::string word = right.substr(begin, end - begin);
+  for (const std::string& word : parts_between(right, ' ')) {
     if (!first && at + 1 + shown_width(word) > kWidth) text += "\n", at = 0;
     if (at < kColumn)
       text += std::string(kColumn - at, ' '), at = kColumn;
     else
       text += ' ', ++at;
     text += word, at += shown_width(word), first = false;
-    begin = end + 1;
   }
   return text + "\n";
 }
 
-std::string place_words(const OptionEntry& option) {
+std::string positional_words(const OptionEntry& option) {
   const std::string name = option.several ? option.name() + "..." : option.name();
   return option.required ? name : "[" + name + "]";
 }
@@ -47,8 +46,7 @@ std::string place_words(const OptionEntry& option) {
 }  // namespace
 
 std::string option_words(const OptionEntry& o) {
-  std::string text;
-  for (const std::string& name : o.names) text += (text.empty() ? "" : ", ") + name;
+  const std::string text = fmt::format("{}", fmt::join(o.names, ", "));
   if (o.positional()) return o.several ? text + " ..." : text;
   if (o.kind == OptionEntry::Kind::flag) return text;
   return text + (o.implied ? " [" + o.value_name + "]" : " " + o.value_name);
@@ -57,17 +55,17 @@ std::string option_words(const OptionEntry& o) {
 std::string usage_of(const CommandLine& command) {
   std::string text = command.full_name();
   if (!command.commands().empty()) return text + " COMMAND [OPTIONS] ...";
-  std::string places, needed;
+  std::string positional, needed;
   bool options = false;
   for (const auto& option : command.options()) {
     if (option->positional())
-      places += " " + place_words(*option);
+      positional += " " + positional_words(*option);
     else if (option->required)
       needed += fmt::format(" {} {}", option->names[0], option->value_name);
     else
       options = true;
   }
-  return text + places + needed + (options ? " [OPTIONS]" : "");
+  return text + positional + needed + (options ? " [OPTIONS]" : "");
 }
 
 std::vector<std::string> examples_of(const CommandLine& command) {
@@ -75,11 +73,9 @@ std::vector<std::string> examples_of(const CommandLine& command) {
   const std::size_t at = footer.find(kExamplesHeading);
   std::vector<std::string> examples;
   if (at == std::string::npos) return examples;
-  for (std::size_t begin = at + std::string(kExamplesHeading).size(); begin < footer.size();) {
-    const std::size_t end = std::min(footer.find('\n', begin), footer.size());
-    if (footer.compare(begin, 2, "  ") != 0) break;
-    examples.push_back(footer.substr(begin + 2, end - begin - 2));
-    begin = end + 1;
+  for (const std::string& line : parts_between(footer.substr(at + kExamplesHeading.size()), '\n')) {
+    if (!line.starts_with("  ")) break;
+    examples.push_back(line.substr(2));
   }
   return examples;
 }
@@ -88,7 +84,7 @@ std::string remarks_of(const CommandLine& command) {
   const std::string& footer = command.footer();
   const std::size_t at = footer.find(kExamplesHeading);
   if (at == std::string::npos) return footer;
-  std::size_t after = at + std::string(kExamplesHeading).size();
+  std::size_t after = at + kExamplesHeading.size();
   while (after < footer.size() && footer.compare(after, 2, "  ") == 0)
     after = std::min(footer.find('\n', after), footer.size() - 1) + 1;
   std::string text = footer.substr(0, at) + footer.substr(after);
@@ -100,7 +96,7 @@ std::vector<OptionGroup> option_groups_of(const CommandLine& command) {
   std::vector<OptionGroup> groups;
   for (const auto& option : command.options()) {
     const std::string heading = option->positional() ? "" : option->group;
-    const bool first = heading.empty() || heading == "Options";  // what is told from its place, then the rest
+    const bool first = heading.empty() || heading == "Options";  // positional arguments, then options without a heading
     auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.heading == heading; });
     if (group == groups.end()) {
       const bool after = heading == "Options" && !groups.empty() && groups[0].heading.empty();
@@ -138,7 +134,7 @@ std::string word_of_heading(const std::string& heading) {
   return word;
 }
 
-/// Names of the advanced options, which are not shown at first.
+/// Names of the advanced options, which the short help omits.
 std::string names_in(const OptionGroup& group) {
   std::string names;
   for (const OptionEntry* option : group.options)
@@ -146,8 +142,9 @@ std::string names_in(const OptionGroup& group) {
   return names;
 }
 
-std::string words_of_command(const CommandLine& command) {
-  return command.parent() ? command.full_name().substr(command.root().name().size()) : "";
+/// "sansmesh help volume probe".
+std::string help_line(const CommandLine& command) {
+  return command.root().name() + " help" + (command.parent() ? " " + command.path() : "");
 }
 
 }  // namespace
@@ -161,7 +158,7 @@ std::string help_on_group(const CommandLine& command, const std::string& word) {
 std::string help_on_views(const CommandLine& tool) {
   for (const auto& command : tool.commands())
     if (std::string text = help_on_group(*command, word_of_heading(kViewGroup)); !text.empty())
-      return "Of every command that makes pictures.\n\n" + text;
+      return "Options of every command that draws pictures.\n\n" + text;
   return "";
 }
 
@@ -171,23 +168,19 @@ std::string help_text(const CommandLine& command, bool all) {
     text += "\nCommands:\n";
     for (const auto& further : command.commands()) text += entry_lines(further->name(), further->what());
   }
-  const std::string& tool = command.root().name();
   std::string named;
   for (const OptionGroup& group : option_groups_of(command)) {
     text += lines_of_group(group, all);
     if (all) continue;
     if (group.heading == kViewGroup)
       named += entry_lines(word_of_heading(group.heading),
-                           "Size of pictures, and from where they look: " + tool + " help view");
+                           "Size and view of pictures: " + command.root().name() + " help view");
     else if (const std::string names = names_in(group); !names.empty())
       named += entry_lines(word_of_heading(group.heading), names);
   }
-  if (!named.empty()) {
-    const std::string words = words_of_command(command);
-    text += fmt::format("\nMore options: {}{} --help-all, or {} help{} and one of these words:\n", tool, words, tool,
-                        words);
-    text += named;
-  }
+  if (!named.empty())
+    text += fmt::format("\nMore options: {} --help-all, or {} and one of these words:\n{}", command.full_name(),
+                        help_line(command), named);
   if (!command.footer().empty())
     text += "\n" + command.footer().substr(command.footer().find_first_not_of('\n')) + "\n";
   return text;
@@ -201,7 +194,7 @@ std::string short_help(const CommandLine& command) {
   const std::vector<std::string> examples = examples_of(command);
   if (!examples.empty()) text += "\nFor example:\n";
   for (std::size_t i = 0; i < std::min<std::size_t>(3, examples.size()); ++i) text += "  " + examples[i] + "\n";
-  return text + "\nMore: " + command.root().name() + " help" + words_of_command(command) + "\n";
+  return text + "\nMore: " + help_line(command) + "\n";
 }
 
 }  // namespace sansmesh::cli

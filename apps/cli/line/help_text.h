@@ -1,4 +1,4 @@
-// Help, made from the table of options.
+// Help, generated from the table of options.
 #pragma once
 
 #include <string>
@@ -10,21 +10,21 @@ namespace sansmesh::cli {
 
 /// "sansmesh mesh [OPTIONS] input -o FILE".
 std::string usage_of(const CommandLine& command);
-/// About a command, or about the whole tool: what people use first, and the names of the other options; or everything.
+/// Help on a command or the whole tool: basic options and the names of the others, or everything.
 std::string help_text(const CommandLine& command, bool all = false);
-/// The options under one heading, "picture" for "Picture", "raw-files" for "Raw files"; empty if the command has no
-/// such heading.
+/// Options under one heading, "picture" for "Picture", "raw-files" for "Raw files"; empty if the command has no such
+/// heading.
 std::string help_on_group(const CommandLine& command, const std::string& word);
-/// The options of views, which are the same in all commands that have them.
+/// Options of views, which are the same in all commands with pictures.
 std::string help_on_views(const CommandLine& tool);
-/// A few lines for somebody who typed a command and nothing else: usage, an example or two, where to read on.
+/// Short text for a command typed without arguments: usage, one or two examples, further reading.
 std::string short_help(const CommandLine& command);
 
-/// The lines of the examples in a command's footer, and the footer without them.
+/// Example lines of a command's footer, and the footer without them.
 std::vector<std::string> examples_of(const CommandLine& command);
 std::string remarks_of(const CommandLine& command);
 
-/// The options that a command's help lists, under their headings, its own ones first and those of the whole tool last.
+/// Options in a command's help, by heading, its own first and the global ones last.
 struct OptionGroup {
   std::string heading;
   std::vector<const OptionEntry*> options;

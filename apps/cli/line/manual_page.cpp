@@ -1,6 +1,6 @@
 #include "cli/line/manual_page.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -10,7 +10,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// The next character of UTF-8, which is well formed.
+/// Decodes the next character of well-formed UTF-8.
 unsigned code_point(const std::string& text, std::size_t& at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(at++);
@@ -21,7 +21,7 @@ unsigned code_point(const std::string& text, std::size_t& at) {
   return code;
 }
 
-/// Text of a line that troff sets as it is: dashes that can be searched for, no macro at the beginning.
+/// Escapes a line for troff: searchable dashes, no macro at the beginning.
 std::string roff(const std::string& text) {
   std::string safe;
   for (std::size_t at = 0; at < text.size();) {
@@ -59,7 +59,7 @@ std::string dashed(const CommandLine& command) {
   return name;
 }
 
-/// Lines as they are, without being filled.
+/// Lines without filling.
 std::string verbatim(const std::string& text) { return ".PP\n.nf\n" + roff(text) + "\n.fi\n"; }
 
 std::string option_lines(const OptionEntry& o) {
@@ -72,9 +72,7 @@ std::string option_lines(const OptionEntry& o) {
   if (!o.words.empty() && std::any_of(o.words.begin(), o.words.end(), [&](const std::string& word) {
         return o.what.find(word) == std::string::npos;
       })) {
-    text += "One of";
-    for (std::size_t i = 0; i < o.words.size(); ++i) text += (i == 0 ? " " : ", ") + roff(o.words[i]);
-    text += ".\n";
+    text += "One of " + roff(fmt::format("{}", fmt::join(o.words, ", "))) + ".\n";
   }
   return text;
 }
@@ -104,10 +102,10 @@ std::string manual_page(const CommandLine& command, const std::string& version) 
     for (const OptionEntry* option : group.options) text += option_lines(*option);
   }
   if (const std::string remarks = remarks_of(command); !remarks.empty()) text += ".SH NOTES\n" + verbatim(remarks);
-  std::string examples;
-  for (const std::string& example : examples_of(command)) examples += (examples.empty() ? "" : "\n") + example;
-  if (!examples.empty()) text += ".SH EXAMPLES\n" + verbatim(examples);
-  text += ".SH EXIT STATUS\n0: done. 1: a file or its data is at fault. 2: the command line is. 130: interrupted.\n";
+  if (const auto examples = examples_of(command); !examples.empty())
+    text += ".SH EXAMPLES\n" + verbatim(fmt::format("{}", fmt::join(examples, "\n")));
+  text +=
+      ".SH EXIT STATUS\n0: success. 1: error in a file or its data. 2: error in the command line. 130: interrupted.\n";
   if (command.parent()) text += ".SH SEE ALSO\n\\fB" + roff(dashed(*command.parent())) + "\\fR(1)\n";
   return text;
 }

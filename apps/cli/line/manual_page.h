@@ -1,4 +1,4 @@
-// Manual pages, made from the table of options.
+// Manual pages, generated from the table of options.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sansmesh::cli {
 
-/// A page of section 1 in the macros of man(7), ASCII alone.
+/// Page of section 1 in macros of man(7), ASCII only.
 std::string manual_page(const CommandLine& command, const std::string& version);
 /// "sansmesh-volume-probe.1"
 std::string manual_page_name(const CommandLine& command);

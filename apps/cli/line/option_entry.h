@@ -1,4 +1,4 @@
-// One option as the table of the command line has it: parsing, help, shell completion and the manual page all read it.
+// One option in the table of the command line, used by parsing, help, shell completion and the manual page.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace sansmesh::cli {
 
-/// What is wrong with the value of an option.
+/// Error in the value of an option.
 struct ValueError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -19,41 +19,41 @@ struct ValueError : std::runtime_error {
 struct OptionEntry {
   enum class Kind { flag, text, whole, real };
 
-  std::vector<std::string> names;  ///< as they are typed, "-o", "--output"; one without dashes is told from its place
-  std::vector<std::string> old_names;  ///< understood, but warned of: neither help nor completion has them
+  std::vector<std::string> names;      ///< as typed, "-o", "--output"; a single name without dashes is positional
+  std::vector<std::string> old_names;  ///< accepted with a warning; not in help and completion
   std::string what;                    ///< one line
   Kind kind = Kind::flag;
   std::string value_name = "VALUE";
   std::string group = "Options";
-  std::vector<std::string> words;                             ///< the only ones that are taken; any if there are none
-  enum class File { none, read, written } file = File::none;  ///< whether its value names one
-  std::vector<std::string> endings;                           ///< of these, with dots; any if there are none
+  std::vector<std::string> words;                             ///< allowed values; any if empty
+  enum class File { none, read, written } file = File::none;  ///< whether the value is a file
+  std::vector<std::string> endings;                           ///< allowed endings with dots; any if empty
   bool required = false;
-  bool advanced = false;               ///< in this command: help names it, and shows it where all is asked for
+  bool advanced = false;               ///< not in the short help of this command
   bool repeated = false;               ///< may be given several times
-  bool in_order = false;               ///< used once for each time that it was given, in turn with others of that kind
-  bool several = false;                ///< takes words as long as there are some that fit
-  int numbers = 0;                     ///< so many numbers in one word, with commas between them, or in as many words
-  std::optional<OptionRange> range;    ///< of numbers
-  std::string excludes;                ///< an option that cannot be given as well
-  std::optional<std::string> implied;  ///< stands for a value where none is given
-  /// With `implied`: what the next word must be, beside a number or one of `words`, to be the value.
+  bool in_order = false;               ///< keeps the order of its occurrences among options of this kind
+  bool several = false;                ///< takes following words as long as they fit
+  int numbers = 0;                     ///< count of numbers in one comma-separated word, or in as many words
+  std::optional<OptionRange> range;    ///< range of numbers
+  std::string excludes;                ///< option that cannot be given together with this one
+  std::optional<std::string> implied;  ///< value if none is given
+  /// With `implied`: words, besides numbers and `words`, that are taken as the value.
   std::vector<std::string> next_words;
-  /// Takes the values of all times that it was given, one at least unless it is a flag. Throws ValueError.
+  /// Receives the values of all occurrences (at least one unless it is a flag). Throws ValueError.
   std::function<void(const std::vector<std::string>&)> use;
 
   // For an option that is made from a row of a schema (schema_options.h):
-  /// Its name in messages of the library: the field, or "open = false" for the flag that sets it so.
+  /// Name in messages of the library: the field, or "open = false" for a flag.
   std::string field;
   const OptionRow* row = nullptr;
-  std::string usual;  ///< its value where it is not given; empty if that follows from the data
+  std::string usual;  ///< default value; empty if derived from the data
 
-  // What the command line had.
-  std::string typed;                ///< the name by which it was given; empty if it was not
-  std::vector<std::string> values;  ///< words, or numbers where one word has several of them
+  // Input of the command line.
+  std::string typed;                ///< name as typed; empty if not given
+  std::vector<std::string> values;  ///< words, or single numbers of a list
 
   bool positional() const { return names[0][0] != '-'; }
-  /// "--output", or the name of what is told from its place.
+  /// "--output", or the name of a positional argument.
   const std::string& name() const { return names.back(); }
   bool is_file() const { return file != File::none; }
 };

@@ -1,5 +1,6 @@
 #include "cli/line/option_groups.h"
 
+#include <limits>
 #include <vector>
 
 #include "cli/line/schema_options.h"
@@ -14,17 +15,45 @@ void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
 }
 
-std::vector<Vec3> places_at(const std::vector<double>& v) {
-  std::vector<Vec3> places;
+std::vector<Vec3> query_points(const std::vector<double>& v) {
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i + 2 < v.size(); i += 3) {
-    places.push_back({v[i], v[i + 1], v[i + 2]});
-    if (!is_finite(places.back())) throw ArgumentError("--at must be three finite numbers");
+    points.push_back({v[i], v[i + 1], v[i + 2]});
+    if (!is_finite(points.back())) throw ArgumentError("--at must be three finite numbers");
   }
-  return places;
+  return points;
 }
 
-void add_ascii_flag(CommandLine& c, bool& ascii) {
-  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
+void add_function_input(CommandLine& c, std::string& file) {
+  c.add_option("input", file, "Function, .smf").reads({".smf"}).required();
+}
+
+void add_picture_output(CommandLine& c, std::string& file) {
+  c.add_option("-o,--output", file, "Picture to write: .png").writes({".png"}).required();
+}
+
+void add_points_output(CommandLine& c, std::string& file) {
+  c.add_option("-o,--output", file, "Points to write: " + listed_endings(endings_written(kPoints)))
+      .writes(endings_written(kPoints))
+      .required();
+}
+
+void add_ascii_flag(CommandLine& c, bool& ascii, const std::string& group) {
+  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form").group(group);
+}
+
+void add_nan_flag(CommandLine& c, double& outside, const std::string& group) {
+  c.add_flag_callback(
+       "--nan", [&outside] { outside = std::numeric_limits<double>::quiet_NaN(); },
+       "Set values outside the volume to NaN: --outside nan")
+      .group(group);
+}
+
+void add_drawing_unit(CommandLine& c, std::string& unit, const std::string& group) {
+  c.add_option("--unit", unit, "Unit that makes the drawing true to scale: mm, cm or in")
+      .type_name("UNIT")
+      .one_of({"mm", "cm", "in"})
+      .group(group);
 }
 
 void MeshOutput::check() const {
@@ -46,11 +75,11 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
   progress.begin("write");
   write_mesh(file, mesh, {.ascii = ascii});
   if (!preview.empty()) picture.write(preview, image, look);
-  tell_mesh(file, mesh, console);
+  report_mesh(file, mesh, console);
 }
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
-  c.tells({told<WrittenMesh>("output")});
+  c.announce({report_of<WrittenMesh>("output")});
   const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
                           .writes(endings_written(kMesh));
   if (required) file.required();

@@ -1,4 +1,4 @@
-// Options that several commands have, and words for the values of enumerations.
+// Options of several commands, and names of enumeration values.
 #pragma once
 
 #include <string>
@@ -21,29 +21,39 @@ inline constexpr const char* kReadable =
 /// Throws ArgumentError with the message unless `ok`.
 void require(bool ok, const char* message);
 
-/// The places of --at, which were read as three numbers each. Throws ArgumentError unless all are finite.
-std::vector<Vec3> places_at(const std::vector<double>& numbers);
+/// Points of --at, given as three numbers each. Throws ArgumentError unless all are finite.
+std::vector<Vec3> query_points(const std::vector<double>& numbers);
 
-/// --ascii
-void add_ascii_flag(CommandLine& command, bool& ascii);
-/// A mesh that a command makes, and a picture of it.
+/// Adds the file of a function, as a positional argument.
+void add_function_input(CommandLine& command, std::string& file);
+/// Adds --output for a picture.
+void add_picture_output(CommandLine& command, std::string& file);
+/// Adds --output for points.
+void add_points_output(CommandLine& command, std::string& file);
+/// Adds --ascii.
+void add_ascii_flag(CommandLine& command, bool& ascii, const std::string& group = "Options");
+/// Adds --nan, which sets the values outside a volume to NaN.
+void add_nan_flag(CommandLine& command, double& outside, const std::string& group = "Options");
+/// Adds --unit for drawings.
+void add_drawing_unit(CommandLine& command, std::string& unit, const std::string& group = "Options");
+/// Mesh output of a command, with an optional picture.
 struct MeshOutput {
   std::string file, preview;
   PictureArguments picture;
   bool ascii = false;
 
-  /// Throws FileError early if they cannot be written, ArgumentError for bad options of the picture or such without
-  /// one.
+  /// Throws FileError early if the files cannot be written, ArgumentError for bad options of the picture, and for such
+  /// options without a picture.
   void check() const;
-  /// The picture alone.
+  /// Checks the picture only.
   void check_preview() const;
-  /// Told as `output`. Throws FileError.
+  /// Writes and reports `output`. Throws FileError.
   void write(const TriangleMesh& mesh, Console& console) const;
 };
-/// --output, --preview, --ascii, and those of add_picture_options
+/// Adds --output, --preview, --ascii, and those of add_picture_options.
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
-/// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
-/// the group Surface.)
+/// Adds options of the preparation of samples: --faces, --normals, --orient-by, --align. (--remove-outliers is in the
+/// group Surface.)
 void add_cloud_options(CommandLine& command, CloudPreparation& use);
 /// --fit, --depth, --error, --threshold, --coverage, --support, --degree, --smooth
 void add_fit_options(CommandLine& command, FitOptions& options);

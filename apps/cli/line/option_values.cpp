@@ -1,6 +1,6 @@
 #include "cli/line/option_values.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ long long parse_whole(const std::string& word, long long least, long long most) 
   double value = 0;
   if (!reads_as_number(word, value)) throw ValueError(in_quotes(word) + " is not a number");
   if (std::isinf(value) || std::floor(value) != value) throw ValueError(in_quotes(word) + " is not a whole number");
-  // 2^63 has no whole number of its own here; nothing is counted up to it.
+  // 2^63 is not exact in long long; no count reaches it.
   if (value < static_cast<double>(least) || value > static_cast<double>(most) || std::abs(value) >= 9e18) {
     const bool below = value < static_cast<double>(least);
     throw ValueError(below && least == 0 ? "must be 0 or more, not " + word
@@ -42,11 +42,11 @@ bool are_numbers(const std::string& word) {
   return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return reads_as_number(part, value); });
 }
 
-std::string number_wanted(const OptionEntry& o, const std::string& word) {
+std::string number_hint(const OptionEntry& o, const std::string& word) {
   double value = 0;
   std::string digits = word;
   digits.erase(std::remove(digits.begin(), digits.end(), ','), digits.end());
-  // Groups of three digits; with several numbers a comma parts these.
+  // Groups of three digits; with several numbers a comma separates these.
   bool grouped = o.numbers == 0 && reads_as_number(digits, value);
   for (std::size_t at = word.find(','); grouped && at != std::string::npos; at = word.find(',', at + 1)) {
     std::size_t end = at + 1;
@@ -54,11 +54,11 @@ std::string number_wanted(const OptionEntry& o, const std::string& word) {
     grouped = at > 0 && end == at + 4;
   }
   if (grouped) return ": write " + digits;
-  // A number, and a unit behind it, in any of the parts.
+  // A number followed by a unit, in any of the parts.
   for (const std::string& part : between_commas(word)) {
     const std::size_t number = std::min(part.find_first_not_of("+-.0123456789"), part.size());
     if (number > 0 && number < part.size() && reads_as_number(part.substr(0, number), value)) {
-      const char* const plural = o.numbers > 0 ? ": plain numbers are wanted" : ": a plain number is wanted";
+      const char* const plural = o.numbers > 0 ? ": write plain numbers" : ": write a plain number";
       const std::string& of = o.value_name;
       const bool length = of == "LENGTH" || of == "POINT" || of == "BOX" || of == "X,Y,Z";
       return plural + std::string(length            ? ", in the unit of the input"
@@ -72,11 +72,9 @@ std::string number_wanted(const OptionEntry& o, const std::string& word) {
 
 void check_value(const OptionEntry& o, const std::string& word) {
   if (!o.words.empty()) {
-    for (const std::string& known : o.words)
-      if (known == word) return;
-    std::string list;
-    for (const std::string& known : o.words) list += (list.empty() ? "" : ", ") + known;
-    throw ValueError("must be one of " + list + ", not " + in_quotes(word) + did_you_mean(word, o.words));
+    if (std::find(o.words.begin(), o.words.end(), word) != o.words.end()) return;
+    throw ValueError(fmt::format("must be one of {}, not {}{}", fmt::join(o.words, ", "), in_quotes(word),
+                                 did_you_mean(word, o.words)));
   }
   if (o.kind != OptionEntry::Kind::whole && o.kind != OptionEntry::Kind::real) return;
   const double value = parse_real(word);

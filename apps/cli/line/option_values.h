@@ -1,4 +1,4 @@
-// Words of the command line as numbers.
+// Conversion of command line words to numbers.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@
 
 namespace sansmesh::cli {
 
-/// "'deep'", made printable.
+/// "'deep'", with unprintable characters escaped.
 std::string in_quotes(const std::string& word);
 /// "must be three numbers with commas between them, not 'a,b'"
 ValueError must_be(const std::string& form, const std::string& text);
 
-/// The number that a word is; infinite ones are numbers, those that are none ("nan") are not. Throws ValueError.
+/// Parses a number, which may be infinite but not "nan". Throws ValueError.
 double parse_real(const std::string& word);
-/// The whole number that a word is, "1e6" included. Throws ValueError, also where it lies outside of least..most.
+/// Parses a whole number, also "1e6". Throws ValueError, also outside least..most.
 long long parse_whole(const std::string& word, long long least, long long most);
-/// Whether a word is a number, or several with commas between them.
+/// Whether a word is a number or a comma-separated list of numbers.
 bool are_numbers(const std::string& word);
-/// What to type in place of a word that is no number, "1,000" or "5mm": ": write 1000" or nothing.
-std::string number_wanted(const OptionEntry& option, const std::string& word);
-/// Throws ValueError unless the value is one that the option takes, as far as its entry tells.
+/// Suggestion for a word that is no number, "1,000" or "5mm": ": write 1000"; empty without one.
+std::string number_hint(const OptionEntry& option, const std::string& word);
+/// Throws ValueError unless the option's entry allows the value.
 void check_value(const OptionEntry& option, const std::string& value);
 
 }  // namespace sansmesh::cli

@@ -1,6 +1,6 @@
 #include "cli/line/parse_line.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -20,7 +20,7 @@ bool looks_like_an_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && !are_numbers(word) && word.find_first_of(" <>=.") != 1;
 }
 
-/// Words that begin like a number are one that was mistyped, unless there is such a file.
+/// A word that starts like a number is a mistyped one, unless it is a file.
 bool begins_like_a_number(const std::string& word) {
   std::error_code ignored;
   return !word.empty() && (std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '.') && word.size() > 1 &&
@@ -28,25 +28,15 @@ bool begins_like_a_number(const std::string& word) {
          !std::filesystem::exists(word, ignored);
 }
 
-std::string joined_by_commas(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ",") + part;
-  return text;
-}
+std::string joined_by_commas(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ",")); }
 
-std::vector<std::string> names_of_commands(const CommandLine& line) {
-  std::vector<std::string> names;
-  for (const auto& command : line.commands()) names.push_back(command->name());
-  return names;
-}
-
-/// "'prob' is no command of volume (did you mean probe?)".
+/// "unknown command 'prob' of volume (did you mean probe?)".
 UsageError unknown_command(const CommandLine& at, const std::string& word) {
-  std::string hint = did_you_mean(word, names_of_commands(at));
+  std::string hint = did_you_mean(word, at.command_names());
   if (!at.parent()) {
     for (const auto& option : at.options())  // version
       if (option->name() == "--" + word) hint = " (did you mean " + option->name() + "?)";
-    // Those one level down, by their full names.
+    // Commands of groups, by their full names.
     for (const auto& group : at.commands())
       for (const auto& command : group->commands())
         if (hint.empty() && command->name() == word)
@@ -64,15 +54,6 @@ void add_names_of_options(const CommandLine& line, std::vector<std::string>& nam
     if (!option->positional()) names.insert(names.end(), option->names.begin(), option->names.end());
 }
 
-/// Full names of the commands, without "sansmesh", that have this option.
-void add_commands_with(const std::string& flag, const CommandLine& line, std::vector<std::string>& names) {
-  for (const auto& command : line.commands()) {
-    if (command->commands().empty() && command->has(flag))
-      names.push_back(command->full_name().substr(line.root().name().size() + 1));
-    add_commands_with(flag, *command, names);
-  }
-}
-
 UsageError unknown_option(const CommandLine& at, const std::string& flag) {
   if (at.root().has(flag)) return UsageError(at, fmt::format("{} means nothing to {}", flag, at.name()));
   std::vector<std::string> known;
@@ -85,36 +66,39 @@ UsageError unknown_option(const CommandLine& at, const std::string& flag) {
   if (at.has("--" + flag.substr(bare))) hint = fmt::format(" (did you mean --{}?)", flag.substr(bare));
   if (hint.empty()) hint = did_you_mean(flag, known);
   std::vector<std::string> others;
-  if (hint.empty() || !at.commands().empty()) add_commands_with(flag, at.root(), others);
+  if (hint.empty() || !at.commands().empty())
+    for (const CommandLine* const command : at.root().with_subcommands())
+      if (command->commands().empty() && command->has(flag)) others.push_back(command->path());
   if (!others.empty()) {
     if (others.size() > 4) others.resize(4), others.back() = "others";
     std::string list;
     for (std::size_t i = 0; i < others.size(); ++i)
       list += (i == 0 ? "" : i + 1 == others.size() ? " and " : ", ") + others[i];
-    hint = at.commands().empty() ? fmt::format(" (it is one of {})", list)
-                                 : fmt::format(" here: options of a command come after it (it is one of {})", list);
+    hint = at.commands().empty()
+               ? fmt::format(" (it is an option of {})", list)
+               : fmt::format(" here: options of a command come after it (it is an option of {})", list);
   }
   return UsageError(at, "unknown option " + printable(flag, 60) + hint);
 }
 
-/// One time that an option was given whose order counts: which of its values are of that time.
+/// One occurrence of an option whose order counts, with its range of values.
 struct Given {
   OptionEntry* option;
   std::size_t first, count;
 };
 
-/// Goes through the words once.
+/// Reads the words in one pass.
 class LineReader {
  public:
   LineReader(CommandLine& root, const std::vector<std::string>& words) : at_(&root), words_(words) {}
 
   ParsedLine read() {
-    if (CommandLine* const asked = help_wanted({"--help", "-h"})) return {ParsedLine::Wish::help, asked};
-    if (CommandLine* const asked = help_wanted({"--help-all"})) return {ParsedLine::Wish::help_all, asked};
+    if (CommandLine* const asked = help_requested({"--help", "-h"})) return {ParsedLine::Action::help, asked};
+    if (CommandLine* const asked = help_requested({"--help-all"})) return {ParsedLine::Action::help_all, asked};
     bool only_words = false;
     for (; next_ < words_.size(); ++next_) {
       const std::string& word = words_[next_];
-      if (!only_words && (word.starts_with("–") || word.starts_with("—")))  // as texts on paper have them
+      if (!only_words && (word.starts_with("–") || word.starts_with("—")))  // typographic dashes, as in printed text
         throw unknown_option(*at_, word.substr(0, word.find('=')));
       if (!only_words && word == "--")
         only_words = true;
@@ -123,32 +107,33 @@ class LineReader {
       else if (!at_->commands().empty())
         enter(word);
       else
-        places_.push_back(word), ++said_;
+        positional_.push_back(word), ++typed_;
     }
     if (const OptionEntry* version = at_->root().find("--version"); version && !version->typed.empty())
-      return {ParsedLine::Wish::version, at_};
+      return {ParsedLine::Action::version, at_};
     if (!at_->commands().empty())
-      throw UsageError(*at_, at_->parent() ? at_->name() + " needs one of its commands" : "which command?", said_ == 0);
-    if (said_ == 0) require();
-    hand_out_places();
-    return {ParsedLine::Wish::run, at_};
+      throw UsageError(*at_, at_->parent() ? at_->name() + " needs one of its commands" : "which command?",
+                       typed_ == 0);
+    if (typed_ == 0) require();
+    assign_positional();
+    return {ParsedLine::Action::run, at_};
   }
 
   const std::vector<Given>& given_in_order() const { return given_; }
 
-  /// That nothing is missing. Wrong values are told of before.
+  /// Checks that nothing is missing. Wrong values are reported earlier.
   void require() const {
     std::string missing;
     for (const auto& option : at_->options())
       if (option->required && option->values.empty())
         missing += (missing.empty() ? "" : " and ") + option->name() + " " + option->value_name;
     if (!missing.empty())
-      throw UsageError(*at_, fmt::format("{} needs {}{}", at_->name(), missing, meant_output()), said_ == 0);
+      throw UsageError(*at_, fmt::format("{} needs {}{}", at_->name(), missing, suggested_output()), typed_ == 0);
     for (const auto& option : at_->options())
       if (const OptionEntry* other = at_->find(option->excludes);
           other && !option->typed.empty() && !other->typed.empty())
         throw UsageError(*at_, fmt::format("{} and {} exclude each other", option->typed, other->typed));
-    // Seen here and not only by the library, which does not know of values that were given as they are by themselves.
+    // Checked here, since the library cannot distinguish a given default value from a missing one.
     for (const auto& option : at_->options())
       if (const OptionEntry* other = needed_by(*option);
           other && !option->typed.empty() && other->typed.empty() && other->values.empty())
@@ -156,7 +141,7 @@ class LineReader {
   }
 
  private:
-  /// The option without which another one means nothing; null if there is none.
+  /// The option that this one requires; null if there is none.
   const OptionEntry* needed_by(const OptionEntry& option) const {
     if (!option.row || option.row->needs.empty()) return nullptr;
     for (const auto& other : at_->options())
@@ -164,32 +149,25 @@ class LineReader {
     return nullptr;
   }
 
-  /// The command whose help is asked for by one of these options, wherever it stands.
-  CommandLine* help_wanted(const std::vector<std::string>& options) const {
+  /// The command whose help is requested by one of these options, at any position.
+  CommandLine* help_requested(const std::vector<std::string>& options) const {
     const auto end = std::find(words_.begin(), words_.end(), "--");
     if (std::find_first_of(words_.begin(), end, options.begin(), options.end()) == end) return nullptr;
     CommandLine* command = at_;
     for (auto word = words_.begin(); word != end; ++word)
-      for (const auto& further : command->commands())
-        if (further->is_called(*word)) {
-          command = further.get();
-          break;
-        }
+      if (CommandLine* const further = command->subcommand(*word)) command = further;
     return command;
   }
 
   void enter(const std::string& word) {
-    for (const auto& command : at_->commands())
-      if (command->is_called(word)) {
-        at_ = command.get();
-        at_->called_by_old_name = at_->name() != word;
-        return;
-      }
-    throw unknown_command(*at_, word);
+    CommandLine* const command = at_->subcommand(word);
+    if (!command) throw unknown_command(*at_, word);
+    at_ = command;
+    at_->called_by_old_name = at_->name() != word;
   }
 
   void read_option(const std::string& word) {
-    ++said_;
+    ++typed_;
     std::string flag = word, value;
     bool attached = false;
     if (word[1] == '-') {  // --flag=value
@@ -212,7 +190,7 @@ class LineReader {
     if (option->in_order) given_.push_back({option, before, option->values.size() - before});
   }
 
-  /// Whether the next word may be a value, as far as the command line tells.
+  /// Whether the next word may be a value, judged by the command line alone.
   bool value_follows() const {
     if (next_ + 1 >= words_.size()) return false;
     const std::string& word = words_[next_ + 1];
@@ -238,12 +216,11 @@ class LineReader {
                                                                      o.value_name, printable(words_[next_ + 1], 60))
                                                        : fmt::format("{} needs a value ({})", o.typed, o.value_name));
     const std::string first = attached ? *attached : words_[++next_];
-    if (numbers && !are_numbers(first)) {  // told here, before the next word is taken for something else
+    if (numbers && !are_numbers(first)) {  // reported here, before the next word is misinterpreted
       try {
         parse_real(first);
       } catch (const ValueError& error) {
-        throw UsageError(*at_,
-                         o.typed + (error.what()[0] == 'm' ? " " : ": ") + error.what() + number_wanted(o, first));
+        throw UsageError(*at_, o.typed + (error.what()[0] == 'm' ? " " : ": ") + error.what() + number_hint(o, first));
       }
     }
     if (o.numbers == 0 && !o.several) return o.values.push_back(first);
@@ -252,29 +229,29 @@ class LineReader {
     while (!attached && numbers && taken.size() < most && next_ + 1 < words_.size() && are_numbers(words_[next_ + 1]))
       for (std::string& part : between_commas(words_[++next_])) taken.push_back(std::move(part));
     if (o.numbers > 0 && taken.size() != most)
-      throw UsageError(*at_, fmt::format("{} needs {} numbers with commas between them, not {}", o.typed, most,
+      throw UsageError(*at_, fmt::format("{} needs {} comma-separated numbers, not {}", o.typed, most,
                                          in_quotes(joined_by_commas(taken))));
     o.values.insert(o.values.end(), taken.begin(), taken.end());
   }
 
-  /// Words that are told from their place.
-  void hand_out_places() {
+  /// Assigns the positional words.
+  void assign_positional() {
     std::size_t next = 0;
     OptionEntry* last = nullptr;
     for (const auto& option : at_->options()) {
       if (!option->positional()) continue;
       last = option.get();
-      const std::size_t end = option->several ? places_.size() : std::min(next + 1, places_.size());
-      for (; next < end; ++next) last->values.push_back(places_[next]), last->typed = last->name();
+      const std::size_t end = option->several ? positional_.size() : std::min(next + 1, positional_.size());
+      for (; next < end; ++next) last->values.push_back(positional_[next]), last->typed = last->name();
     }
-    if (next == places_.size()) return;
+    if (next == positional_.size()) return;
     const std::string what = last ? "one " + last->name() : "options only";
-    throw UsageError(*at_, fmt::format("{} is left over: {} takes {}{}", in_quotes(places_[next]), at_->name(), what,
-                                       meant_numbers(places_[next])));
+    throw UsageError(*at_, fmt::format("{} is left over: {} takes {}{}", in_quotes(positional_[next]), at_->name(),
+                                       what, suggested_option(positional_[next])));
   }
 
-  /// " (did you mean --at 1,2,3?)" where one option of the command takes so many numbers, views of pictures aside.
-  std::string meant_numbers(const std::string& word) const {
+  /// " (did you mean --at 1,2,3?)" if one option of the command takes that many numbers, except options of views.
+  std::string suggested_option(const std::string& word) const {
     if (!are_numbers(word)) return "";
     const auto count = 1 + std::count(word.begin(), word.end(), ',');
     std::string hint;
@@ -286,23 +263,23 @@ class LineReader {
     return hint;
   }
 
-  /// " (did you mean -o x.ply?)" where the last file could be one to write, and is not there.
-  std::string meant_output() const {
+  /// " (did you mean -o x.ply?)" if the last word could be an output file and does not exist.
+  std::string suggested_output() const {
     std::error_code ignored;
-    if (places_.size() < 2 || std::filesystem::exists(places_.back(), ignored)) return "";
+    if (positional_.size() < 2 || std::filesystem::exists(positional_.back(), ignored)) return "";
     for (const auto& option : at_->options())
       if (option->required && option->values.empty() && !option->positional())
         for (const std::string& ending : option->endings)
-          if (places_.back().ends_with(ending))
-            return fmt::format(" (did you mean {} {}?)", option->names[0], printable(places_.back(), 60));
+          if (positional_.back().ends_with(ending))
+            return fmt::format(" (did you mean {} {}?)", option->names[0], printable(positional_.back(), 60));
     return "";
   }
 
   CommandLine* at_;
   const std::vector<std::string>& words_;
   std::size_t next_ = 0;
-  std::size_t said_ = 0;  // words beside those of the command
-  std::vector<std::string> places_;
+  std::size_t typed_ = 0;  // words beside those of the command
+  std::vector<std::string> positional_;
   std::vector<Given> given_;
 };
 
@@ -312,7 +289,7 @@ void use_option(CommandLine& command, const OptionEntry& option, const std::vect
     if (option.use) option.use(values);
   } catch (const ValueError& error) {
     std::string cause = error.what();
-    if (cause.ends_with(" is not a number")) cause += number_wanted(option, values.back());
+    if (cause.ends_with(" is not a number")) cause += number_hint(option, values.back());
     throw UsageError(command,
                      option.typed + (cause.starts_with("must ") ? " " : ": ") + cause +
                          (option.kind == OptionEntry::Kind::text ? did_you_mean_listed(cause, values.back()) : ""));
@@ -331,19 +308,19 @@ void use_in_order(CommandLine& command, const std::vector<Given>& given) {
   }
 }
 
-/// "--depth must lie in 2..14" and what it was.
+/// "--depth must lie in 2..14", with the given value.
 std::string with_value(std::string text, const OptionEntry& option) {
   if (option.kind == OptionEntry::Kind::flag || option.values.empty()) return text;
   const std::string value = joined_by_commas(option.repeated ? std::vector{option.values.back()} : option.values);
   const std::string rest = text.substr(option.typed.size());
   if (!rest.starts_with(" must ") || rest.find(", not ") != std::string::npos || rest.find(value) != std::string::npos)
     return text;
-  // Before a remark in brackets or behind a colon.
+  // Inserted before a remark in brackets or after a colon.
   const std::size_t end = std::min({rest.find(" ("), rest.find(": "), rest.find("; "), rest.size()});
   return text.insert(option.typed.size() + end, ", not " + printable(value, 60));
 }
 
-/// "unknown view 'tpo': front, top or iso", which does not say whose value that is.
+/// Adds the option to a message such as "unknown view 'tpo': front, top or iso".
 std::string of_option(const std::string& message, const OptionEntry& option) {
   const std::string bare = option.name().substr(2) + " '";
   const bool named = message.starts_with(bare);  // plane 'w': must be like …
@@ -355,7 +332,7 @@ std::string of_option(const std::string& message, const OptionEntry& option) {
 ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words) {
   LineReader reader(root, words);
   const ParsedLine parsed = reader.read();
-  if (parsed.wish != ParsedLine::Wish::run) return parsed;
+  if (parsed.action != ParsedLine::Action::run) return parsed;
   CommandLine& command = *parsed.command;
   name_standard_streams(command);
   use_options(command, command);
@@ -374,11 +351,10 @@ const CommandLine& command_of(const CommandLine& root, const std::vector<std::st
   const CommandLine* at = &root;
   for (const std::string& word : words) {
     if (at->commands().empty())
-      throw UsageError(*at, fmt::format("{} has no commands of its own, not {}", at->name(), in_quotes(word)));
-    const auto found = std::find_if(at->commands().begin(), at->commands().end(),
-                                    [&](const auto& command) { return command->name() == word; });
-    if (found == at->commands().end()) throw unknown_command(*at, word);
-    at = found->get();
+      throw UsageError(*at, fmt::format("{} has no commands, so {} is unknown", at->name(), in_quotes(word)));
+    const CommandLine* const command = at->subcommand(word);
+    if (!command) throw unknown_command(*at, word);
+    at = command;
   }
   return *at;
 }

@@ -32,11 +32,11 @@ void add_background_option(CommandLine& c, PictureArguments& a) {
 void add_picture_options(CommandLine& c, PictureArguments& a) {
   const char* const group = kViewGroup;
   add_schema(c, a.options, {.group = group, .only = {"width", "height"}});
-  add_schema(c, a.place, {.group = group, .without = {"crop"}});
+  add_schema(c, a.view, {.group = group, .without = {"crop"}});
   add_schema(c, a.options, {.group = group, .only = {"field_of_view", "orthographic"}});
   add_schema(c, a.options, {.group = group, .only = {"scale_bar"}});
   add_schema(c, a.options, {.group = group, .only = {"look_at", "zoom", "look_radius", "clip_box"}});
-  add_schema(c, a.place, {.group = group, .only = {"crop"}});
+  add_schema(c, a.view, {.group = group, .only = {"crop"}});
 }
 
 void add_wireframe_options(CommandLine& c, RenderOptions& o) {

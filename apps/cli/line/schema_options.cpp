@@ -17,7 +17,7 @@ namespace {
 
 using Kind = OptionEntry::Kind;
 
-/// The name of the value in help: LENGTH in the unit "length".
+/// Placeholder of the value in help: LENGTH for the unit "length".
 std::string value_name_of(const OptionRow& row) {
   if (row.kind == OptionKind::numbers) return row.count == 3 ? "X,Y,Z" : row.count == 6 ? "BOX" : "NUMBERS";
   if (!row.unit.empty()) {
@@ -52,7 +52,7 @@ Kind kind_of(OptionKind kind) {
   }
 }
 
-/// The words of the command line as the value of an option.
+/// Converts words of the command line to an option value.
 OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>& words) {
   switch (row.kind) {
     case OptionKind::whole:
@@ -72,29 +72,29 @@ OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>&
   }
 }
 
-/// The value where the option is not given. An enumerator that stands for "none" goes without saying.
+/// Default value as text; empty for the enumerator "none".
 std::string usual_words_of(const OptionRow& row, const OptionValue& now) {
   const std::string usual = sansmesh::option_words(now);
   return row.kind == OptionKind::choice && usual == "none" ? "" : usual;
 }
 
-/// A sentence of the row, after the methods that use it.
+/// Description of the row, preceded by the methods that use it.
 std::string sentence_of(const OptionRow& row, std::string_view text, const SchemaOptions& how) {
   std::string before = how.before ? how.before(row.name) : "", sentence(text);
-  // Not where the sentence begins with an abbreviation.
+  // Keeps the case of an initial abbreviation.
   if (!before.empty() && sentence.size() > 1 && !std::isupper(static_cast<unsigned char>(sentence[1])))
     sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
   return before + sentence;
 }
 
-/// The sentence, the range, and what holds where the option is not given: "Rounds, 1..10000 [10]".
+/// Description, range and default value: "Rounds, 1..10000 [10]".
 std::string what_of(const OptionRow& row, const std::string& usual, const SchemaOptions& how) {
   std::string what = sentence_of(row, row.text, how);
   std::vector<std::string> words(row.choices.begin(), row.choices.end());
-  const auto told = [&](const std::string& word) { return word == usual || what.find(word) != std::string::npos; };
-  if (!std::all_of(words.begin(), words.end(), told)) what += ": " + joined_by_or(words);
+  const auto named = [&](const std::string& word) { return word == usual || what.find(word) != std::string::npos; };
+  if (!std::all_of(words.begin(), words.end(), named)) what += ": " + joined_by_or(words);
   const bool number = row.kind == OptionKind::whole || row.kind == OptionKind::real;
-  // That lengths are positive goes without saying.
+  // Positive ranges of lengths are not shown.
   if (const std::string range = row.range.words(); number && std::isfinite(row.range.most) && !range.empty())
     what += ", " + range;
   const std::string otherwise = usual.empty() ? std::string(row.from_data) : usual;
@@ -114,7 +114,7 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   entry.in_order = row.step;
   // The two flags of a pair exclude each other.
   if (value && row.optional && !row.step) entry.excludes = flag_of_name(negative);
-  // A flag that is on by itself has one that turns it off and no other: the old name is that one's.
+  // A flag that is on by default only has its negation, which also keeps the old name.
   if (value != usual && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
   entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };
@@ -150,11 +150,11 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
   entry.use = [&row, owner](const std::vector<std::string>& words) {
-    in_words_of_the_line([&] { set_option(row, owner, value_of_words(row, words)); });
+    with_flags_in_errors([&] { set_option(row, owner, value_of_words(row, words)); });
   };
 }
 
-/// Calls `use` for every row, but for those that all pictures share: commands have them by add_picture_options().
+/// Calls `use` for every row except those of all pictures, which add_picture_options() adds.
 void for_each_own_option(std::span<const OptionRow> rows, void* options,
                          const std::function<void(const OptionRow& row, void* owner)>& use) {
   for (const OptionRow& row : rows)
@@ -180,7 +180,7 @@ void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const
   });
 }
 
-void in_words_of_the_line(const std::function<void()>& call) {
+void with_flags_in_errors(const std::function<void()>& call) {
   try {
     call();
   } catch (const ArgumentError& error) {
@@ -193,7 +193,7 @@ void in_words_of_the_line(const std::function<void()>& call) {
 void name_flags(CommandLine& command) {
   for (const auto& option : command.options()) {
     if (option->row) option->what = in_flags(option->what, command);
-    // Not where another option is called so.
+    // Old names that are names of other options are dropped.
     std::erase_if(option->old_names, [&](const std::string& old) { return command.find(old) != option.get(); });
   }
 }

@@ -1,4 +1,4 @@
-// Options of the command line made of the schema of an options struct of the library.
+// Command line options generated from schemas of option structs.
 #pragma once
 
 #include <functional>
@@ -12,29 +12,28 @@ namespace sansmesh::cli {
 
 class CommandLine;
 
-/// Which rows become options, and how.
+/// Selection and layout of options.
 struct SchemaOptions {
   std::string group = "Options";               ///< heading in the help
-  std::vector<std::string_view> only = {};     ///< names of rows; all if there are none
-  std::vector<std::string_view> without = {};  ///< names of rows that the command does not have
-  /// Put before the sentence of a row, by its name: which methods use it.
+  std::vector<std::string_view> only = {};     ///< names of rows; all if empty
+  std::vector<std::string_view> without = {};  ///< names of rows to leave out
+  /// Text before the description of a row: the methods that use it.
   std::function<std::string(std::string_view)> before = nullptr;
 };
 
-/// Adds an option for each row, `max_degree` as --max-degree. A flag that is on by itself gets the one that turns it
-/// off, --no-enhance; one that follows from the data gets both. `options` must live until the command has run; what it
-/// holds when this is called is what help calls the usual value. Throws std::logic_error for names that are no rows.
+/// Adds an option for each row, --max-degree for `max_degree`. A flag that is on by default has its negation,
+/// --no-enhance; one that is derived from the data has both. `options` must live until the command has run; its current
+/// values become the defaults in the help. Throws std::logic_error for unknown rows.
 void add_schema(CommandLine& command, const OptionSchema& schema, void* options, const SchemaOptions& how = {});
 template <HasSchema T>
 void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {}) {
   add_schema(command, T::schema(), &options, how);
 }
 
-/// Calls; what the library says of a value becomes what the command line says, which names the option as it was typed.
-/// Throws ValueError.
-void in_words_of_the_line(const std::function<void()>& call);
+/// Calls `call`; error messages of the library name the option as it was typed. Throws ValueError.
+void with_flags_in_errors(const std::function<void()>& call);
 
-/// Puts flags in the place of fields in what the options say. Called once a command has all of its options.
+/// Replaces field names by flags in descriptions of options. Called once a command has all of its options.
 void name_flags(CommandLine& command);
 
 }  // namespace sansmesh::cli

@@ -9,7 +9,7 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kMostFiles = 10000;  // of a folder are looked at: this is about one mistyped name
+constexpr std::size_t kMostFiles = 10000;  // most entries of a folder that are compared
 
 }  // namespace
 
@@ -44,18 +44,18 @@ std::string did_you_mean_listed(const std::string& message, std::string mistyped
 std::string did_you_mean_file(const std::string& missing) {
   namespace fs = std::filesystem;
   std::error_code error;
-  // The part of the way that is there, and the name that is not.
+  // The existing part of the path, and the name that is missing.
   fs::path folder = fs::path(missing).parent_path(), name = fs::path(missing).filename();
   while (!folder.empty() && !fs::is_directory(folder, error)) name = folder.filename(), folder = folder.parent_path();
   if (name.empty()) return "";
   std::vector<std::string> names;
   fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error);
   for (; !error && entry != fs::directory_iterator() && names.size() < kMostFiles; entry.increment(error))
-    // Endings that are the same make no names alike.
+    // Equal endings do not make names similar.
     if (const fs::path known = entry->path().filename();
-        known.extension() != name.extension() || unlikeness(name.stem().string(), known.stem().string()) >= 0)
+        known.extension() != name.extension() || word_distance(name.stem().string(), known.stem().string()) >= 0)
       names.push_back(known.string());
-  std::sort(names.begin(), names.end());  // folders have no order
+  std::sort(names.begin(), names.end());  // the order of folder entries is arbitrary
   std::vector<std::string> shown;
   for (const std::string& known : similar_words(name.string(), names))
     shown.push_back(in_quotes((folder / known).string()));

@@ -1,4 +1,4 @@
-// What somebody may have meant who mistyped a word.
+// Suggestions for mistyped words.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace sansmesh::cli {
 
-/// " (did you mean a or b?)", or nothing, of a message that lists the words there are behind the one that is none of
-/// them: "no view 'tpo': front, top or iso". The mistyped one is the last in quotes unless it is given.
+/// " (did you mean a or b?)", or nothing, for a message that lists the valid words after the invalid one: "no view
+/// 'tpo': front, top or iso". The invalid word is the last one in quotes unless given.
 std::string did_you_mean_listed(const std::string& message, std::string mistyped = {});
 
-/// The same of a file that does not exist: of those in its folder, or, if that is missing, of a folder like it.
+/// Suggestion for a missing file: similar names in its folder or, if that is missing, similar folders.
 std::string did_you_mean_file(const std::string& missing);
 
 }  // namespace sansmesh::cli

@@ -30,7 +30,7 @@ std::optional<SurfaceOptions> SurfaceArguments::chosen() const {
 
 namespace {
 
-/// "amls: " of an option that one or two surfaces use.
+/// "amls: " for an option that one or two surfaces use.
 std::string users_of(std::string_view option) {
   const std::string users = surfaces_that_use(option);
   return std::count(users.begin(), users.end(), ',') < 2 ? users + ": " : "";
@@ -40,7 +40,7 @@ std::string users_of(std::string_view option) {
 
 void add_surface_details(CommandLine& c, SurfaceOptions& options, CloudPreparation& cloud) {
   std::vector<std::string_view> without{"method"};
-  // reconstruct has them for the partition as well.
+  // reconstruct also has them for the partition.
   if (c.has("--depth")) without.insert(without.end(), {"error", "depth", "smooth"});
   add_schema(c, options, {.group = "Surface", .without = without, .before = users_of});
   add_schema(c, cloud, {.group = "Surface", .only = {"remove_outliers"}});
@@ -48,7 +48,7 @@ void add_surface_details(CommandLine& c, SurfaceOptions& options, CloudPreparati
 
 namespace {
 
-/// --surface, into a text or an optional one.
+/// Adds --surface for a text or an optional text.
 template <class Name>
 void add_surface_name(CommandLine& c, Name& name, const std::string& what, const std::string& usual) {
   const std::vector<std::string_view>& names = registry_names<SurfaceMethod>();

@@ -1,4 +1,4 @@
-// Options of surfaces of samples that are never meshed, or cut out as they stand.
+// Options of surfaces of samples.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,19 @@ class CommandLine;
 
 struct SurfaceArguments {
   SurfaceOptions options;
-  std::optional<std::string> method;  ///< of --surface, if it was given
+  std::optional<std::string> method;  ///< value of --surface, if given
 
-  /// All that was said about it; nothing if it was not named. Throws ArgumentError.
+  /// The options, if a surface was selected. Throws ArgumentError.
   std::optional<SurfaceOptions> chosen() const;
 };
 
-/// --surface, and all of its options, of a command that has a surface without it.
+/// Adds --surface and its options, for a command that always has a surface.
 void add_surface(CommandLine& command, SurfaceOptions& surface, CloudPreparation& cloud, const std::string& what);
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
 void add_surface_details(CommandLine& command, SurfaceOptions& options, CloudPreparation& cloud);
-/// --surface, and these. `what` says what is done with it.
+/// Adds --surface and its options. `what` describes its use.
 void add_surface(CommandLine& command, SurfaceArguments& arguments, CloudPreparation& cloud, const std::string& what);
-/// All surfaces with what they are, a line each, as part of a footer.
+/// All surfaces with their descriptions, one line each, as part of a footer.
 std::string surface_list();
 
 }  // namespace sansmesh::cli

@@ -21,14 +21,14 @@ namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth drawing
+constexpr double kBarDelay = 0.3;  // seconds of work before the bar is drawn
 
 }  // namespace
 
-/// The JSON of all that was told until now.
+/// JSON of all reports so far.
 struct Console::Results {
-  Json told, messages = Json::array();
-  Json files = Json::array();  ///< of several files, one after the other
+  Json json, messages = Json::array();
+  Json files = Json::array();  ///< one object per input file
 };
 
 Console::Console(const ConsoleOptions& options, const CommandLine& command)
@@ -50,7 +50,7 @@ void Console::finish() {
   progress_.finish();
   finishing_ = true;
   outputs_.commit();
-  show(std::exchange(said_, {}));
+  show(std::exchange(waiting_text_, {}));
   show_json();
   print_timings();
   finish_out();
@@ -59,7 +59,7 @@ void Console::finish() {
 std::string Console::rescue_frames() {
   const std::size_t kept = outputs_.waiting();
   if (!keeps_frames_ || kept == 0) return {};
-  // After a failure of finish() the file of the error is one of the frames.
+  // After a failure of finish(), the file in the error is one of the frames.
   const std::string files = finishing_ ? counted(kept, "other file") : counted(kept, "file") + " before it";
   try {
     outputs_.commit();
@@ -71,80 +71,80 @@ std::string Console::rescue_frames() {
   return fmt::format("; {} {} kept", files, kept == 1 ? "is" : "are");
 }
 
-/// Other words would spoil standard output that is a file of the command.
+/// If the command writes a file to standard output, text is printed to standard error.
 void Console::show(const std::string& text) {
   if (text.empty()) return;
   clear();
   if (outputs_.used_standard_output())
     print_err(text);
-  else if (outputs_.waiting() > 0 || !said_.empty())
-    said_ += text;
+  else if (outputs_.waiting() > 0 || !waiting_text_.empty())
+    waiting_text_ += text;
   else
     print_out(text);
 }
 
-void Console::say(const std::string& line) {
-  if (says()) show(line + "\n");
+void Console::print(const std::string& line) {
+  if (prints_text()) show(line + "\n");
 }
 
-void Console::say(const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) say(in_flags(line));
+void Console::print(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) print(in_flags(line));
 }
 
-void Console::say_of(const std::string& name, std::vector<std::string> lines) {
+void Console::print_named(const std::string& name, std::vector<std::string> lines) {
   lines.at(0) = name + ": " + lines[0];
-  say(lines);
+  print(lines);
 }
 
-void Console::say(const std::string& title, const std::string& text, int width) { say(titled(title, text, width)); }
+void Console::print(const std::string& title, const std::string& text, int width) { print(titled(title, text, width)); }
 
-void Console::check_announced(const ToldReport& told) const {
-  for (const ToldReport& announced : command_.told())
-    if (announced.key == told.key && announced.schema == told.schema && announced.list == told.list) return;
-  throw std::logic_error("no report is announced under the key " + std::string(told.key));
+void Console::check_announced(const AnnouncedReport& entry) const {
+  for (const AnnouncedReport& announced : command_.announced())
+    if (announced.key == entry.key && announced.schema == entry.schema && announced.list == entry.list) return;
+  throw std::logic_error("no report is announced under the key " + std::string(entry.key));
 }
 
-void Console::tell(const ToldReport& told, const void* report) {
-  progress_.finish();  // what is told has been made
-  check_announced(told);
+void Console::put_entry(const AnnouncedReport& entry, const void* report) {
+  progress_.finish();  // the stage has ended
+  check_announced(entry);
   if (!options_.json) return;
-  if (told.list)
-    push_report(results_->told, told.key, *told.schema, report);
+  if (entry.list)
+    push_report(results_->json, entry.key, *entry.schema, report);
   else
-    put_report(results_->told, told.key, *told.schema, report);
+    put_report(results_->json, entry.key, *entry.schema, report);
 }
 
-void Console::tell_value_as(std::string_view key, const ReportValue& value) {
+void Console::report_single_value(std::string_view key, const ReportValue& value) {
   check_announced({key, nullptr});
-  put_value(results_->told, key, value);
+  put_value(results_->json, key, value);
 }
 
-void Console::begin_list(const ToldReport& told) {
-  check_announced(told);
-  put_list(results_->told, told.key);
+void Console::begin_list(const AnnouncedReport& entry) {
+  check_announced(entry);
+  put_list(results_->json, entry.key);
 }
 
-void Console::end_result() { results_->files.push_back(std::exchange(results_->told, Json())); }
+void Console::end_result() { results_->files.push_back(std::exchange(results_->json, Json())); }
 
 void Console::fail(const std::string& file, const std::string& message) {
   clear();
   print_error(message);
   failed_ = true;
-  results_->told = {{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}};
+  results_->json = {{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}};
   end_result();
 }
 
 void Console::show_json() {
   if (!options_.json) return;
-  Json& told = results_->told;
-  if (listing_) told = {{"files", std::move(results_->files)}};
-  told["schema"] = kReportVersion;
-  told["warnings"] = warnings_;
-  told["messages"] = results_->messages;
-  if (tells_stages_)
+  Json& json = results_->json;
+  if (listing_) json = {{"files", std::move(results_->files)}};
+  json["schema"] = kReportVersion;
+  json["warnings"] = warnings_;
+  json["messages"] = results_->messages;
+  if (reports_stages_)
     for (const Progress::Timing& t : progress_.timings())
-      told["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
-  show(text_of(told));
+      json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
+  show(text_of(json));
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
@@ -157,7 +157,7 @@ void Console::note(const std::string& file, const std::vector<Note>& notes) {
     if (warning)
       warn(note.of.empty() ? file : note.of, {note_line(note)});
     else
-      say(in_flags(note_line(note)));
+      print(in_flags(note_line(note)));
     results_->messages.push_back({{"code", note.code},
                                   {"severity", warning ? "warning" : "information"},
                                   {"text", in_flags(note.text)},

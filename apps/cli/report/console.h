@@ -1,4 +1,4 @@
-// What every command says, and how: results on standard output, everything else on standard error.
+// Output of commands: results to standard output, everything else to standard error.
 #pragma once
 
 #include <memory>
@@ -18,93 +18,92 @@ namespace sansmesh::cli {
 class CommandLine;
 
 struct ConsoleOptions {
-  bool json = false;     ///< results as one JSON object instead of lines
+  bool json = false;     ///< results as one JSON object instead of text
   bool verbose = false;  ///< time of each stage, on standard error
-  bool quiet = false;    ///< no progress, no warnings; results only where they were asked for (--json)
+  bool quiet = false;    ///< no progress, no warnings; results only with --json
 };
 
 class Console {
  public:
-  /// `command`: the one that runs, in whose words warnings are.
+  /// `command`: the running command, whose flags messages use.
   Console(const ConsoleOptions& options, const CommandLine& command);
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
 
   const ConsoleOptions& options() const { return options_; }
-  /// Draws the bar where standard error is a terminal; cancelled by Ctrl-C.
+  /// Progress bar, shown if standard error is a terminal; Ctrl-C cancels it.
   Progress& progress() { return progress_; }
 
-  /// Frames of a motion that are written stay there if a later one fails, whatever the error: they took long.
+  /// Keeps written frames of a motion if a later one fails, since they took long.
   void keep_frames() { keeps_frames_ = true; }
-  /// Puts the files of the command in their places (OutputBatch), then prints what was said of them. Called once, when
-  /// all has gone well. Throws what these do, Cancelled, and errors of standard output.
+  /// Moves the output files of the command into place (OutputBatch), then prints the results. Called once after
+  /// success. Throws what these throw, Cancelled, and errors of standard output.
   void finish();
-  /// After an error, be it of finish(): frames that are to be kept are put in their places; words about that, which
-  /// follow those of the error, empty if there are none. Throws Cancelled.
+  /// After an error (also of finish()): moves frames that are to be kept into place. Returns text that follows the
+  /// error message; may be empty. Throws Cancelled.
   std::string rescue_frames();
 
-  /// True if what is said is printed: what takes time is only then measured for it.
-  bool says() const { return !options_.json && !options_.quiet; }
-  /// A result for people: printed unless --json or --quiet. Once files were written, it waits for finish().
-  void say(const std::string& line);
-  /// Several lines, in which options are named as in messages of the library.
-  void say(const std::vector<std::string>& lines);
-  /// The same of what has a name: "scan.ply: " stands before the first.
-  void say_of(const std::string& name, std::vector<std::string> lines);
+  /// Whether text results are printed; measures that only serve them can be skipped otherwise.
+  bool prints_text() const { return !options_.json && !options_.quiet; }
+  /// Prints a result as text unless --json or --quiet. After files were written, it waits for finish().
+  void print(const std::string& line);
+  /// Prints lines in which options have their library names.
+  void print(const std::vector<std::string>& lines);
+  /// The same with a name before the first line: "scan.ply: ".
+  void print_named(const std::string& name, std::vector<std::string> lines);
   /// The same with a title: "area            0.5".
-  void say(const std::string& title, const std::string& text, int width = 16);
-  /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is
-  /// done, with all that was warned of (`warnings`). The stage of the progress ends. Throws std::logic_error for
-  /// reports of which the command does not say that it tells them (CommandLine::tells).
+  void print(const std::string& title, const std::string& text, int width = 16);
+  /// Adds a report to the JSON result, under a key or at the top level. --json prints it at the end, with all warnings
+  /// (`warnings`). Ends the stage of the progress. Throws std::logic_error for reports that the command did not declare
+  /// (CommandLine::announce).
   template <HasReport T>
-  void tell(const T& report, std::string_view key = {}) {
-    tell(ToldReport{key, &T::schema()}, &report);
+  void report(const T& report, std::string_view key = {}) {
+    put_entry({key, &T::schema()}, &report);
   }
-  /// The same of a list of reports.
+  /// Adds a list of reports.
   template <HasReport T>
-  void tell(const std::vector<T>& reports, std::string_view key) {
-    const ToldReport told{key, &T::schema(), true};
-    begin_list(told);
-    for (const T& report : reports) tell(told, &report);
+  void report(const std::vector<T>& reports, std::string_view key) {
+    const AnnouncedReport entry{key, &T::schema(), true};
+    begin_list(entry);
+    for (const T& report : reports) put_entry(entry, &report);
   }
-  /// The same of a value.
+  /// Adds a single value.
   template <class T>
-  void tell_value(std::string_view key, const T& value) {
-    tell_value_as(key, report_detail::value_of(value));
+  void report_value(std::string_view key, const T& value) {
+    report_single_value(key, report_detail::value_of(value));
   }
-  /// The time of each stage as well (`stages`), of commands whose results are not compared.
-  void tell_stages() { tells_stages_ = true; }
-  /// From here on results for programs are a list, `files` of one object: a command tells of several files, one after
-  /// the other.
+  /// Adds the time of each stage (`stages`), for commands whose results are not compared.
+  void report_stages() { reports_stages_ = true; }
+  /// From here on, JSON results form a list `files` with one object per input file.
   void list_results() { listing_ = true; }
-  /// Ends the results of one of these files: what was told since the last call is of it.
+  /// Ends the object of one file: it has all reports since the last call.
   void end_result();
-  /// A mistake in one of several files: told as errors are, and in the list. The command goes on, and fails in the end.
+  /// Reports an error of one of several files, also in the list. The command continues and fails at the end.
   void fail(const std::string& file, const std::string& message);
   bool has_failed() const { return failed_; }
-  /// Warnings until now, as they were printed, or would have been but for --quiet.
+  /// Warnings so far, as printed or suppressed by --quiet.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Warnings of the library name options by their fields; these are put in the words of the command.
+  /// Warnings of the library, whose field names are replaced by flags.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
-  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON
-  /// (`messages`). `file` is the one that they are about unless they name one themselves.
+  /// Notes of a job: warnings are printed as such, information as a text result; JSON has all of them (`messages`).
+  /// `file` is their subject unless they name one.
   void note(const std::string& file, const std::vector<Note>& notes);
-  /// The same of warnings that name their files themselves.
+  /// Warnings that name their files themselves.
   void warn(const std::vector<std::string>& warnings);
-  /// The same for what is printed in other ways.
+  /// A message with flags instead of field names.
   std::string in_flags(const std::string& message) const;
 
  private:
   struct Results;
 
-  void tell(const ToldReport& told, const void* report);
-  void tell_value_as(std::string_view key, const ReportValue& value);
-  void begin_list(const ToldReport& told);
-  void check_announced(const ToldReport& told) const;
-  /// All that was told.
+  void put_entry(const AnnouncedReport& entry, const void* report);
+  void report_single_value(std::string_view key, const ReportValue& value);
+  void begin_list(const AnnouncedReport& entry);
+  void check_announced(const AnnouncedReport& entry) const;
+  /// Prints all reports.
   void show_json();
-  /// With --verbose: the table of stages.
+  /// Prints the table of stages (--verbose).
   void print_timings();
   void warn_line(const std::string& line);
   void show(const std::string& text);
@@ -116,9 +115,9 @@ class Console {
   std::vector<std::string> warnings_;
   std::unique_ptr<Results> results_;
   bool listing_ = false, failed_ = false;
-  std::string said_;  ///< once there are files, of which it is, in their places
+  std::string waiting_text_;  ///< text that waits until the files are in place
   bool keeps_frames_ = false;
-  bool tells_stages_ = false;
+  bool reports_stages_ = false;
   bool finishing_ = false;
   bool terminal_ = false;
   bool drawn_ = false;
@@ -132,7 +131,7 @@ class Console {
 /// Reports an error as one line.
 void print_error(const std::string& message);
 
-/// A length with four significant digits.
+/// Formats a length with four significant digits.
 inline std::string length(double value) { return length_words(value); }
 
 }  // namespace sansmesh::cli

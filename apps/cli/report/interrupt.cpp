@@ -26,12 +26,12 @@ constexpr long kGrace = 150'000'000;  // nanoseconds
 sem_t signals;
 std::atomic<int> signal_count{0};
 
-/// Between the work and the thread that waits for signals.
+/// State shared by the work and the thread that waits for signals.
 struct Interrupts {
   std::mutex mutex;
   Progress* work = nullptr;
   bool came = false;
-  bool over = false;  ///< somebody says how the program ends
+  bool over = false;  ///< the program reports its end itself
 };
 Interrupts& interrupts() {
   static auto* const i = new Interrupts;  // never destroyed: the thread outlives main()
@@ -45,7 +45,7 @@ void on_signal(int signal) {
   errno = error;
 }
 
-/// Waits for a signal, or until `until`.
+/// Waits for a signal, at most until `until`.
 void wait_for_signal(const timespec* until) {
   while ((until ? ::sem_timedwait(&signals, until) : ::sem_wait(&signals)) != 0 && errno == EINTR) {
   }
@@ -80,9 +80,9 @@ void watch_signals() {
   end_program();
 }
 
-/// False where the system lets us have no more threads.
+/// Returns false if no thread can be started.
 bool start_watching() {
-  // Signals are for the main thread and those of its work; this one only waits.
+  // Signals are delivered to the other threads; this one only waits.
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -108,7 +108,7 @@ void listen_for_interrupts() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction old {};
     ::sigaction(signal, nullptr, &old);
-    // nohup, and scripts that run it in the background
+    // nohup, and scripts that run the program in the background
     if (signal != SIGTERM && old.sa_handler == SIG_IGN) continue;
     ::sigaction(signal, &action, nullptr);
   }

@@ -1,4 +1,4 @@
-// Ctrl-C and its like: SIGINT, SIGTERM, SIGHUP.
+// Handling of Ctrl-C and similar signals: SIGINT, SIGTERM, SIGHUP.
 #pragma once
 
 #include <string>
@@ -8,15 +8,16 @@
 
 namespace sansmesh::cli {
 
-constexpr int kInterrupted = 130;  ///< exit code, as shells have it for Ctrl-C
+constexpr int kInterrupted = 130;  ///< exit code, as shells use for Ctrl-C
 
-/// From now on the first signal cancels the work, and ends the program if that has not ended by itself a sixth of a
-/// second later (in a reader of another library, say); the second ends it at once. Either way no file is left half
-/// written. The third is the system's. SIGINT and SIGHUP that whoever started the program ignores stay ignored (nohup,
-/// background jobs of scripts). Where no thread can be had for listening, signals do what they do to any program.
+/// Starts to listen. The first signal cancels the work; if the program has not ended a sixth of a second later (in a
+/// reader of another library, for example), it is terminated. The second signal terminates it at once. Neither leaves a
+/// partial file. The third has the system's default effect. SIGINT and SIGHUP stay ignored if the parent process
+/// ignores them (nohup, background jobs of scripts). If no listening thread can be started, signals have their default
+/// effect.
 void listen_for_interrupts();
 
-/// While it lives, this is the work that is cancelled.
+/// Marks this work as the one to cancel during its lifetime.
 class InterruptibleWork {
  public:
   explicit InterruptibleWork(Progress& progress);
@@ -25,10 +26,10 @@ class InterruptibleWork {
   InterruptibleWork& operator=(const InterruptibleWork&) = delete;
 };
 
-/// The program says itself how it ended: from here on a first signal does nothing.
+/// The program reports its end itself: from here on a first signal has no effect.
 void end_of_interrupts();
 
-/// One line for somebody who interrupted; `written`: files that are in place all the same.
+/// One line after an interruption; `written`: files that are complete.
 std::string interrupted_words(const std::vector<std::string>& written);
 
 }  // namespace sansmesh::cli

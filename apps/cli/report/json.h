@@ -6,15 +6,15 @@
 
 namespace sansmesh::cli {
 
-/// Version of the keys that --json prints. It grows when a key goes or changes its meaning.
+/// Version of the keys of --json. It increases when a key is removed or changes its meaning.
 inline constexpr int kReportVersion = 1;
 
-/// Objects keep the order of their fields. Sources that make some include <nlohmann/json.hpp>, which takes long to
+/// Objects keep the order of their fields. Only sources that create JSON include <nlohmann/json.hpp>, which is slow to
 /// compile.
 using Json = nlohmann::ordered_json;
 
-/// Indented by two blanks, with a line end. Bytes that are not UTF-8, as names of files can have, are replaced; numbers
-/// that are not finite are null.
+/// Indented by two spaces, with a line end. Invalid UTF-8 (possible in file names) is replaced; numbers that are not
+/// finite are null.
 std::string text_of(const Json& json);
 
 }  // namespace sansmesh::cli

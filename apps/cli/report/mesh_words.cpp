@@ -12,9 +12,9 @@ namespace {
 void warn_of(const std::string& input, const ReadReport& read, const std::string& output,
              const std::vector<std::string>& lost, Console& console) {
   if (!read.unread.empty())
-    console.warn(input, {fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", "))});
-  if (!lost.empty())
-    console.warn(input, {fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", "))});
+    console.warn(input,
+                 {fmt::format("not read, since meshes and clouds cannot hold it: {}", fmt::join(read.unread, ", "))});
+  if (!lost.empty()) console.warn(input, {fmt::format("{} cannot hold {}: dropped", output, fmt::join(lost, ", "))});
 }
 
 }  // namespace
@@ -23,13 +23,13 @@ TriangleMesh MeshInput::read(Console& console) {
   console.progress().begin("read");
   TriangleMesh mesh = read_mesh(file, &report);
   console.warn(file, report.warnings);
-  console.tell(ReadMesh{file, mesh.triangles.size()}, "input");
+  console.report(ReadMesh{file, mesh.triangles.size()}, "input");
   return mesh;
 }
 
 void MeshInput::add_to(CommandLine& c) {
   c.add_option("input", file, "Mesh").reads(endings_read(kPoints)).required();
-  c.tells({told<ReadMesh>("input")});
+  c.announce({report_of<ReadMesh>("input")});
 }
 
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output,
@@ -42,16 +42,16 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
   warn_of(input, read, output, left_out(output, points), console);
 }
 
-void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key) {
+void report_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key) {
   console.progress().finish();
-  if (console.options().json) console.tell(WrittenMesh(file, mesh), key);
+  if (console.options().json) console.report(WrittenMesh(file, mesh), key);
 }
 
-void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,
-              Console& console) {
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(components, "component"),
-                          closed ? ", closed" : ", with borders"));
+void print_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,
+                Console& console) {
+  console.print(fmt::format("{}: {}, {} vertices in {}{}", file, counted(mesh.triangles.size(), "triangle"),
+                            grouped(mesh.vertices.size()), counted(components, "component"),
+                            closed ? ", closed" : ", with borders"));
 }
 
 }  // namespace sansmesh::cli

@@ -8,7 +8,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// The field of an object, or of objects within it, "output.file"; added if it is not there.
+/// Field of an object or of a nested object, "output.file"; added if missing.
 Json& place_of(Json& object, std::string_view path) {
   const std::size_t dot = path.find('.');
   Json& part = object[std::string(path.substr(0, dot))];
@@ -34,7 +34,7 @@ Json json_of_value(const ReportValue& value) {
 
 void put_rows(Json& object, const ReportSchema& schema, const void* report);
 
-/// The value of a row: of a report an object, null where there is none; of reports a list of them.
+/// Value of a row: an object for a report, null without one; a list for several reports.
 Json json_of_row(const ReportRow& row, const void* report) {
   if (row.get) return json_of_value(report_value(row, report));
   Json json = row.kind == ReportKind::reports ? Json::array() : Json();
@@ -62,7 +62,7 @@ void put_rows(Json& object, const ReportSchema& schema, const void* report) {
 constexpr std::string_view kKinds[] = {"flag",    "whole", "real",  "text",   "choice", "wholes",
                                        "numbers", "texts", "table", "counts", "report", "reports"};
 
-/// Keys that several reports have are listed once. `optional`: there may be none of the reports.
+/// Lists keys shared by several reports once. `optional`: the reports may be missing.
 void push_rows(Json& list, std::string_view before, const ReportSchema& schema, bool optional,
                std::set<std::string>& known) {
   for (const ReportRow& row : schema.rows) {
@@ -103,10 +103,10 @@ void push_report(Json& object, std::string_view key, const ReportSchema& schema,
   place_of(object, key).push_back(std::move(one));
 }
 
-Json json_of_keys(const std::vector<ToldReport>& told) {
+Json json_of_keys(const std::vector<AnnouncedReport>& reports) {
   Json list = Json::array();
   std::set<std::string> known;
-  for (const ToldReport& one : told)
+  for (const AnnouncedReport& one : reports)
     if (one.schema)
       push_rows(list, std::string(one.key) + (one.list ? "[]" : ""), *one.schema, false, known);
     else

@@ -10,40 +10,40 @@
 
 namespace sansmesh::cli {
 
-/// A report that a command tells with --json, under a key ("output") or beside the others; or a value that only the
-/// command knows.
-struct ToldReport {
+/// A report that a command prints with --json, under a key ("output") or at the top level; or a single value of the
+/// command.
+struct AnnouncedReport {
   std::string_view key;
-  const ReportSchema* schema;  ///< null of values
-  bool list = false;           ///< several reports
-  ReportRow value = {};        ///< of a value: its kind and what it is
+  const ReportSchema* schema;  ///< null for values
+  bool list = false;           ///< list of reports
+  ReportRow value = {};        ///< kind and text of a value
 };
 template <HasReport T>
-ToldReport told(std::string_view key = {}) {
+AnnouncedReport report_of(std::string_view key = {}) {
   return {key, &T::schema()};
 }
 template <HasReport T>
-ToldReport told_list(std::string_view key) {
+AnnouncedReport reports_of(std::string_view key) {
   return {key, &T::schema(), true};
 }
 
 template <class T>
-ToldReport told_value(std::string_view key, std::string_view text) {
-  ToldReport told{key, nullptr};
-  told.value.name = key, told.value.text = text, told.value.kind = report_detail::kind_of<T>();
-  return told;
+AnnouncedReport value_of(std::string_view key, std::string_view text) {
+  AnnouncedReport entry{key, nullptr};
+  entry.value.name = key, entry.value.text = text, entry.value.kind = report_detail::kind_of<T>();
+  return entry;
 }
 
-/// Adds a value to an object, "output.lines" to the object that it holds there.
+/// Adds a value to an object; "output.lines" addresses a nested object.
 void put_value(Json& object, std::string_view key, const ReportValue& value);
 /// Adds an empty list.
 void put_list(Json& object, std::string_view key);
-/// Adds what a report tells to an object, or to what it holds under a key. What there is not is null.
+/// Adds a report to an object, or to the nested object under a key. Missing values are null.
 void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report);
 /// Adds a report to a list under a key.
 void push_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report);
 
-/// Keys with kinds, units and sentences of all that a command tells, those of lists as "places[].radius".
-Json json_of_keys(const std::vector<ToldReport>& told);
+/// Keys with kinds, units and descriptions of all reports of a command; keys of lists have the form "places[].radius".
+Json json_of_keys(const std::vector<AnnouncedReport>& reports);
 
 }  // namespace sansmesh::cli

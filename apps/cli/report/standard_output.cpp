@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "sansmesh/error.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -25,7 +25,8 @@ namespace {
 void prepare_standard_output() {
   for (int d = STDIN_FILENO; d <= STDERR_FILENO; ++d)
     if (::fcntl(d, F_GETFD) < 0 && errno == EBADF)
-      (void)!::open("/dev/null", d == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // gets the lowest number: this one
+      (void)!::open("/dev/null",
+                    d == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // receives the lowest free number, which is d
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -36,7 +37,7 @@ void print_out(std::string_view text) {
 
 void finish_out() {
   if (std::fflush(stdout) != 0) fail_out(errno);
-  // Some file systems report only to those who close.
+  // Some file systems report errors only on close.
   const int copy = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
   if (copy >= 0 && ::close(copy) != 0 && errno != EINTR) fail_out(errno);
 }
@@ -44,7 +45,7 @@ void finish_out() {
 void end_by_broken_pipe() {
   std::signal(SIGPIPE, SIG_DFL);
   std::raise(SIGPIPE);
-  std::_Exit(128 + SIGPIPE);  // where it is blocked
+  std::_Exit(128 + SIGPIPE);  // if the signal is blocked
 }
 
 void print_err(std::string_view text) noexcept {

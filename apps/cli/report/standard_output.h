@@ -1,4 +1,4 @@
-// Standard output, on which results must not be lost, and standard error, on which they may.
+// Standard output, whose errors are reported, and standard error, whose errors are ignored.
 #pragma once
 
 #include <string>
@@ -6,18 +6,18 @@
 
 namespace sansmesh::cli {
 
-/// Thrown where nobody reads standard output any more (`| head -1`).
+/// Thrown if the reader of standard output has closed it (`| head -1`).
 struct BrokenPipe {};
 
-/// Descriptors that were closed when the program began are taken, so that no file gets their numbers, and with these
-/// what is printed. Writing to a pipe that nobody reads, or too much, is an error instead of a signal.
+/// Opens descriptors that are closed at the start, so that output files do not get their numbers and receive printed
+/// text. Errors of writing (a closed pipe, a size limit) are reported instead of raised as signals.
 void prepare_standard_output();
 
-/// Throws FileError where it cannot be written, BrokenPipe.
+/// Throws FileError if writing fails, BrokenPipe.
 void print_out(std::string_view text);
-/// What was printed has arrived, or an error of print_out is thrown.
+/// Flushes; throws the errors of print_out.
 void finish_out();
-/// Ends the program as tools end whose output nobody reads: by SIGPIPE.
+/// Ends the program by SIGPIPE, as usual for a closed pipe.
 [[noreturn]] void end_by_broken_pipe();
 
 /// Never throws.

@@ -11,12 +11,12 @@ void check_adf_size(const Input& in) {
   const std::string_view head = in.bytes.substr(0, 256);
   const std::size_t at = head.find("AdF4");
   if (at == std::string_view::npos || head.size() < at + 4 + kRoot + kBlockDigits + kOffsetDigits)
-    in.fail("truncated or damaged: its header does not say where it ends");
+    in.fail("truncated or damaged: its header does not state its end");
   const auto number = [&](std::string_view digits) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
     if (error != std::errc() || end != digits.data() + digits.size())
-      in.fail("damaged: its header does not say where it ends");
+      in.fail("damaged: its header does not state its end");
     return value;
   };
   const std::string_view end = head.substr(at + 4 + kRoot);

@@ -1,11 +1,12 @@
-// Whether a file of CGNS's older database is as long as its header says: the library that reads it makes up the rest.
+// Checks that a file of CGNS's older database (ADF) is as long as its header states: the reading library invents
+// missing data.
 #pragma once
 
 #include "sansmesh/io/input.h"
 
 namespace sansmesh::inline v1::io {
 
-/// Throws FileError where an ADF file ("ADF Database") ends before its header says. The header holds the place of the
+/// Throws FileError if an ADF file ("ADF Database") ends before its header states. The header holds the position of the
 /// end behind that of the root: blocks of 4,096 bytes and bytes, 8 and 4 hexadecimal digits.
 void check_adf_size(const Input& in);
 

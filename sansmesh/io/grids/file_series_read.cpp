@@ -1,4 +1,4 @@
-// ParaView's series of files: JSON that names a file for each time.
+// ParaView's file series: JSON that names a file for each time.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -14,10 +14,10 @@ std::vector<PvdEntry> read_file_series(const Input& in) {
   try {
     series = detail::parse_json<json>(in.bytes);
   } catch (const ArgumentError& error) {
-    in.fail(std::string("is no series of files: it ") + error.what());
+    in.fail(std::string("is not a series of files: it ") + error.what());
   }
   if (!series.is_object() || !series.contains("files") || !series["files"].is_array())
-    in.fail("is no series of files: it has no list \"files\"");
+    in.fail("is not a series of files: it has no list \"files\"");
   std::vector<PvdEntry> entries;
   for (const json& file : series["files"]) {
     if (!file.is_object() || !file.contains("name") || !file["name"].is_string() ||

@@ -21,31 +21,31 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kChunk = 1 << 16;
-/// No usual fill value is nearer to 0: most numbers are passed by at a glance.
+/// No usual fill value is closer to 0: most numbers are rejected by one comparison.
 constexpr double kLeastFill = 999;
-/// From here on they are told by their first digits: files in text round them.
+/// Larger fill values are recognised by their first digits, because text files round them.
 constexpr double kHuge = 1e19, kDigits = 1e-5;
 constexpr std::array kHugeFills{9.969209968386869e36, 9.97e36, 3.4028234663852886e38, 3.4e38, 1.7976931348623157e308,
                                 1.70141e38,           9.999e20};
-/// Powers of ten are measured quantities, too: densities of plasmas, viscosities of mantles. One is a fill value where
-/// it is the only one, and this many times as large as all other numbers, not all of which are 0.
+/// Powers of ten are also measured quantities: densities of plasmas, viscosities of mantles. One is a fill value only
+/// if it is the only one, and this factor larger than all other numbers, which must not all be 0.
 constexpr int kFirstPower = 20, kLastPower = 38;
 constexpr double kPowerIsLarger = 1e10;
 constexpr std::array kPlainFills{-999.0, -999.25, -9999.0, -99999.0, -999999.0, -9.99e8};
-/// Numbers that tell how the rest is spread, at most; and how many there must be.
+/// Largest number of values used to estimate the range of the rest, and their least number.
 constexpr std::size_t kLooked = 200'000, kLeastRest = 4;
 constexpr double kLeftOut = 0.005;  // at each end
-/// Least distance of a fill value from the rest, in spreads of the rest, if it occurs once, a few times, or often.
+/// Least distance of a fill value from the rest, in ranges of the rest, if it occurs once, a few times, or often.
 constexpr double kOnceApart = 2, kTwiceApart = 1, kOftenApart = 0.4;
 constexpr std::size_t kOften = 10;
 
-/// The power of ten that a number is, but for its sign and for rounding; 0 if it is none of the usual ones.
+/// The power of ten that equals a number up to sign and rounding; 0 if it is none of the usual ones.
 double usual_power(double size) {
   const double exponent = std::round(std::log10(size)), power = std::pow(10.0, exponent);
   return exponent >= kFirstPower && exponent <= kLastPower && std::abs(size / power - 1) <= kDigits ? power : 0;
 }
 
-/// The usual fill value that a number is; 0 if it is none.
+/// The usual fill value that equals a number; 0 if there is none.
 double usual_fill(double v) {
   const double size = std::abs(v);
   if (!(size >= kLeastFill)) return 0;
@@ -69,7 +69,7 @@ bool is_power_of_ten(double fill) {
   return size >= kHuge && usual_power(size) == size;
 }
 
-/// NetCDF's defaults for integers, and the least ones, which have the same meaning elsewhere.
+/// NetCDF's default fill values of integers, and the least integers, which other programs use.
 template <class T>
 double least_integer(T v) {
   if constexpr (std::is_integral_v<T> && std::is_signed_v<T> && sizeof(T) >= 2)
@@ -77,7 +77,7 @@ double least_integer(T v) {
   return 0;
 }
 
-/// An array of one name and kind in all blocks that have it.
+/// The arrays of one name and kind in all blocks.
 struct ArrayParts {
   std::string name;
   bool of_cells = false;
@@ -102,19 +102,19 @@ std::vector<ArrayParts> array_parts(const GridData& data) {
   return all;
 }
 
-/// A number of an array that may be a fill value.
+/// A possible fill value of an array.
 struct Candidate {
   double value = 0;
   std::size_t component = 0;
   std::size_t count = 0;
-  bool asked = false;  ///< by the user: no matter where it stands
+  bool asked = false;  ///< requested by the user: accepted at any distance from the rest
 };
 
 class Searcher {
  public:
   Searcher(const GridData& data, const FillValueOptions& options) : data_(data), options_(options) {}
 
-  /// The fill values of an array. `doubtful`: those that look like one, but are not far enough from the rest.
+  /// The fill values of an array. `doubtful`: candidates that are not far enough from the rest.
   std::vector<Candidate> search(const ArrayParts& parts, std::vector<Candidate>& doubtful) const {
     std::vector<Candidate> all = candidates(parts);
     std::vector<Candidate> found;
@@ -129,7 +129,7 @@ class Searcher {
     return found;
   }
 
-  /// The fill value that a number is; 0 for others. −0 stands for the number 0.
+  /// The fill value that equals a number; 0 for others. −0 represents the number 0.
   template <class T>
   double fill_of(T v, bool& asked) const {
     asked = false;
@@ -146,7 +146,7 @@ class Searcher {
   }
 
  private:
-  /// Position of a number beside all others: far from them, alone but nearer than that, or among them.
+  /// Position of a number relative to all others: separate, isolated but too close, or among them.
   enum class Standing : std::uint8_t { apart, near, among };
 
   template <class Use>
@@ -195,8 +195,8 @@ class Searcher {
     return all;
   }
 
-  /// Calls use(v) with the finite numbers of a component that are no usual fill value, of one row in `stride`: any one,
-  /// for steps of a fixed length would follow the rows of the grid.
+  /// Calls use(v) with the finite numbers of a component that are no usual fill value, from one random row per
+  /// `stride`: a fixed step would follow the rows of the grid.
   template <class Use>
   void for_each_other(const ArrayParts& parts, std::size_t component, std::size_t stride, const Use& use) const {
     for_each_part(parts, [&](const auto& numbers, const auto& seen) {
@@ -219,7 +219,7 @@ class Searcher {
     for_each_other(parts, c.component, 1 + rows / kLooked, [&](double v) { rest.push_back(v); });
     if (rest.size() < kLeastRest) return Standing::among;
     std::sort(rest.begin(), rest.end());
-    // No single number decides: of ten or more one at each end may be anything.
+    // No single number decides: among ten or more one at each end is ignored.
     const std::size_t cut = std::max(static_cast<std::size_t>(kLeftOut * static_cast<double>(rest.size())),
                                      static_cast<std::size_t>(rest.size() >= 10));
     const double low = rest[cut], high = rest[rest.size() - 1 - cut];
@@ -240,7 +240,7 @@ class Searcher {
   const FillValueOptions& options_;
 };
 
-/// The array with NaN in the rows that have a fill value; counts the visible ones of each, in the order of `fills`.
+/// The array with NaN in all rows with a fill value; counts the visible ones of each in the order of `fills`.
 Attribute without_fills(const Attribute& a, const std::vector<std::uint8_t>& hidden, const Searcher& searcher,
                         const std::vector<Candidate>& fills, std::vector<std::size_t>& rows) {
   const std::size_t n = a.components;
@@ -268,7 +268,7 @@ Attribute without_fills(const Attribute& a, const std::vector<std::uint8_t>& hid
       a.values);
 }
 
-/// Arrays in which a fill value occurs, in words.
+/// Arrays in which a fill value occurs, as text.
 struct Occurrence {
   double value = 0;
   bool asked = false;
@@ -289,7 +289,8 @@ std::string line_of(const Occurrence& o) {
 
 void FillValueOptions::validate() const {
   for (const double v : values)
-    if (!std::isfinite(v)) throw ArgumentError("`fill_value` must be finite: numbers that are not are missing anyway");
+    if (!std::isfinite(v))
+      throw ArgumentError("`fill_value` must be finite: non-finite numbers always count as missing");
 }
 
 std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions& options) {
@@ -302,9 +303,8 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
     std::vector<Candidate> doubtful;
     const std::vector<Candidate> fills = searcher.search(parts, doubtful);
     for (const Candidate& c : doubtful)
-      doubts.push_back(
-          fmt::format("{:.6g} occurs {} times in {}, and may stand for missing values: `fill_value` says so", c.value,
-                      grouped(c.count), printable(parts.name, 60)));
+      doubts.push_back(fmt::format("{:.6g} occurs {} times in {} and may mark missing values: then set `fill_value`",
+                                   c.value, grouped(c.count), printable(parts.name, 60)));
     if (fills.empty()) continue;
     std::vector<std::size_t> rows(fills.size(), 0);
     std::size_t all = 0;
@@ -317,7 +317,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
       table.set(std::move(marked));
     }
     for (std::size_t k = 0; k < fills.size(); ++k) {
-      // Of several components one line tells all.
+      // Several components share one line.
       std::size_t count = 0;
       bool told = false;
       for (std::size_t m = 0; m < fills.size(); ++m) {

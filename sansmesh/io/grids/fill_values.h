@@ -1,4 +1,4 @@
-// Fill values: numbers that stand for missing ones in arrays of volumes.
+// Fill values: numbers that mark missing values in arrays of volumes.
 #pragma once
 
 #include <string>
@@ -9,15 +9,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Makes fill values NaN, with all components of their row; arrays of integers that have some become real. Returns a
-/// line for each fill value that says in which arrays and how often; where one of `values` is nowhere that is said,
-/// too.
+/// Replaces fill values by NaN in all components of their row; integer arrays with fill values become real. Returns one
+/// line per fill value with the arrays and counts, also for each of `values` that does not occur.
 ///
-/// A usual fill value stands apart where hardly any other number lies around it, within half of the distance to the
-/// rest of the array (the farthest hundredth left out), and that distance is no less than the rest spans: twice that
-/// where it is there only once, 0.4 of that where it is there ten times or more. A line names one that is nearer. A
-/// quantity that passes through −9999 keeps it. A power of ten has to be the only one, and 10¹⁰ times as large as the
-/// rest.
+/// A usual fill value is separate if hardly any other number is within half of its distance to the rest of the array
+/// (without the farthest hundredth), and this distance is at least the range of the rest: twice the range if it occurs
+/// once, 0.4 of it if it occurs ten times or more. A line names a usual value that is closer. A quantity that passes
+/// through −9999 keeps it. A power of ten must be the only one, and 10¹⁰ times as large as the rest.
 std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions& options);
 
 }  // namespace sansmesh::inline v1

@@ -53,7 +53,7 @@ bool HeaderFields::flag(std::initializer_list<std::string_view> names) const {
 }
 
 std::string beside(const Input& in, std::string_view name) {
-  if (name.size() > 1024) in.fail(fmt::format("names a file by {} characters", grouped(name.size())));
+  if (name.size() > 1024) in.fail(fmt::format("names a file with {} characters", grouped(name.size())));
   return (std::filesystem::path(in.file).parent_path() / std::filesystem::path(name)).string();
 }
 
@@ -76,7 +76,7 @@ std::vector<std::string> files_of_pattern(const Input& in, const std::string& pa
     const std::string number =
         digits.starts_with('0') ? fmt::format("{:0{}d}", n, width) : fmt::format("{:{}d}", n, width);
     files.push_back(beside(in, std::string(name.substr(0, percent)) + number + std::string(name.substr(d + 1))));
-    // Not the names of a hundred thousand files of which there is none.
+    // Checks the first file, so that a wrong pattern does not expand to a hundred thousand names.
     std::error_code ignored;
     if (files.size() == 1 && !std::filesystem::exists(files[0], ignored)) throw FileError(files[0], "no such file");
   }

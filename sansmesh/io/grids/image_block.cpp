@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Cosines of angles between axes that text of few digits may turn out of the perpendicular.
+/// Deviation from perpendicular axes, as a cosine, that text with few digits may cause.
 constexpr double perpendicular = 1e-4;
 constexpr std::size_t most_on_axis = std::size_t{1} << 24;
 
@@ -49,7 +49,7 @@ GridBlock image_block(const Input& in, const ImageLayout& layout) {
   std::array<Vec3, 3> step = layout.steps;
   complete_steps(in, layout, step);
   if (!is_finite(layout.origin)) in.fail("its header gives an origin that is not a number");
-  // Axes are lists of numbers here: a garbled header must not ask for more of them than there can be.
+  // Axes are stored as lists of numbers: a damaged header must not request longer ones than possible.
   for (const std::size_t n : layout.dims)
     if (n > most_on_axis) in.fail(fmt::format("its header gives {} points along an axis", grouped(n)));
   GridBlock block;
@@ -77,7 +77,7 @@ GridBlock image_block(const Input& in, const ImageLayout& layout) {
   const Vec3 third = cross(block.directions[0], block.directions[1]);
   block.directions[2] = dot(third, n[2]) < 0 ? -third : third;
   for (std::size_t k = 0; k < 3; ++k) {
-    // Axes along those of space keep them to the last bit.
+    // Axes parallel to the coordinate axes keep their exact values.
     for (std::size_t c = 0; c < 3; ++c) {
       if (block.directions[k][c] == 0) block.directions[k][c] = 0;  // no negative zero
     }
@@ -108,7 +108,7 @@ std::vector<char> unpack_values(const Input& data, std::uint64_t needed, std::ui
 }
 
 AttributeValues parse_values(const Input& in, std::string_view text, std::size_t count, NumberType type) {
-  // A number takes at least one character and one between it and the next.
+  // A number takes at least one character, and a separator follows.
   if (count > text.size() / 2 + 1)
     in.fail(fmt::format("truncated: has no room for the {} numbers of its header in {} characters", grouped(count),
                         grouped(text.size())));
@@ -124,7 +124,7 @@ AttributeValues parse_values(const Input& in, std::string_view text, std::size_t
       }
       if (s.at_end()) in.fail(fmt::format("truncated: holds {} of {} numbers", grouped(i), grouped(count)));
       if constexpr (std::is_integral_v<T>) {
-        // Characters are written as numbers, too, and whole numbers at times as reals.
+        // Characters are written as numbers, and integers sometimes as reals.
         double v = 0;
         const TextScanner before = s;
         std::int64_t whole = 0;

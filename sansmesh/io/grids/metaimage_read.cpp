@@ -1,4 +1,4 @@
-// MetaImage: lines "Name = value", the last of which says where the numbers are.
+// MetaImage: lines "Name = value"; the last one locates the numbers.
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
@@ -18,7 +18,7 @@ std::string_view trimmed_field(std::string_view s) {
   return s;
 }
 
-/// `longs` tells whether numbers called long have 8 bytes: writers differ.
+/// `longs`: whether types called long have 8 bytes, which differs between writers.
 std::optional<NumberType> met_type(std::string name, bool longs) {
   name = lower(name);
   if (name.ends_with("_array")) name.resize(name.size() - 6);
@@ -40,7 +40,7 @@ std::optional<NumberType> met_type(std::string name, bool longs) {
 struct MetaHeader {
   HeaderFields fields;
   std::string data_file;
-  std::string_view body;  ///< what comes after the header
+  std::string_view body;  ///< bytes after the header
 };
 
 MetaHeader read_meta_header(const Input& in) {
@@ -62,7 +62,7 @@ MetaHeader read_meta_header(const Input& in) {
     }
     header.fields.set(name, value);
   }
-  in.fail("truncated or not a MetaImage: its header does not say where the numbers are (ElementDataFile)");
+  in.fail("truncated or not a MetaImage: its header does not locate the numbers (ElementDataFile)");
 }
 
 ImageLayout meta_layout(const HeaderFields& fields, std::size_t n, const std::vector<double>& sizes) {
@@ -145,7 +145,7 @@ GridData read_metaimage(const Input& in, std::size_t step) {
   const Input data{data_name, bytes, in.report};
   std::vector<char> unpacked;
   if (packed) {
-    // Another byte more would show that there is more than the header says.
+    // One more byte would show that there is more data than the header announces.
     unpacked = unpack_values(data, count * size_of(*type), count * 8 + 1);
     bytes = {unpacked.data(), unpacked.size()};
   }
@@ -169,7 +169,7 @@ GridData read_metaimage(const Input& in, std::size_t step) {
     const std::uint64_t needed = count * size_of(*type);
     if (bytes.size() < needed) data.fail_short(needed, bytes.size());
     if (bytes.size() > needed)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
+      in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(bytes.size() - needed)));
     values = decode_values(bytes.data() + step * of_step * size_of(*type), of_step, *type, big);
   }
   GridData result;

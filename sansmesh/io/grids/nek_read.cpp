@@ -1,5 +1,5 @@
-// Nek5000: spectral elements, each a grid of Gauss–Lobatto–Legendre points, in one file (or several parts) a step; a
-// text file names those of a series.
+// Nek5000: spectral elements, each a grid of Gauss–Lobatto–Legendre points, in one file (or several parts) per step; a
+// text file names the files of a series.
 // Layout: Neko's documentation, appendix "Neko .fld field format"; Nek5000 users' list, November 2013 (P. Fischer).
 #include <fmt/core.h>
 
@@ -26,27 +26,27 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-constexpr std::size_t kNekHeader = 132;  ///< bytes of text; then a float that tells the byte order
+constexpr std::size_t kNekHeader = 132;  ///< bytes of text, before a float that shows the byte order
 constexpr double kNekTest = 6.54321;
 
 struct NekHeader {
-  std::size_t real = 4;               ///< bytes of a number
-  std::array<std::size_t, 3> dims{};  ///< points of an element
+  std::size_t real = 4;               ///< bytes per number
+  std::array<std::size_t, 3> dims{};  ///< points per element
   std::uint64_t elements = 0;         ///< in this file
-  std::uint64_t all = 0;              ///< of the step
-  std::size_t part = 0, parts = 1;    ///< this file, and of how many a step consists
+  std::uint64_t all = 0;              ///< in the step
+  std::size_t part = 0, parts = 1;    ///< number of this file, and of files per step
   double time = 0;
   bool places = false, velocity = false, pressure = false, temperature = false;
   std::size_t scalars = 0;
   bool swap = false;
 
   std::size_t axes() const { return dims[2] > 1 ? 3 : 2; }
-  std::size_t points() const { return dims[0] * dims[1] * dims[2]; }  ///< of an element
-  /// Numbers a point.
+  std::size_t points() const { return dims[0] * dims[1] * dims[2]; }  ///< per element
+  /// Numbers per point.
   std::size_t numbers() const {
     return (places ? axes() : 0) + (velocity ? axes() : 0) + pressure + temperature + scalars;
   }
-  /// Whether the numbers of both can stand one behind the other: the parts of a step.
+  /// Whether the numbers of both can be joined: the parts of a step.
   bool laid_out_as(const NekHeader& other) const {
     const auto layout = [](const NekHeader& h) {
       return std::tie(h.real, h.dims, h.all, h.parts, h.places, h.velocity, h.pressure, h.temperature, h.scalars);
@@ -55,7 +55,7 @@ struct NekHeader {
   }
 };
 
-/// The letters that say which fields there are: X, U, P, T, S and two digits.
+/// The letters of the available fields: X, U, P, T, S and two digits.
 void parse_nek_fields(const Input& in, std::string_view code, NekHeader& h) {
   for (std::size_t k = 0; k < code.size(); ++k) {
     if (code[k] == 'X') {
@@ -67,10 +67,10 @@ void parse_nek_fields(const Input& in, std::string_view code, NekHeader& h) {
     } else if (code[k] == 'T') {
       h.temperature = true;
     } else if (TextScanner digits(code.substr(std::min(k + 1, code.size()), 2)); code[k] == 'S') {
-      if (!digits.number(h.scalars)) in.fail("its header does not say how many scalars there are");
+      if (!digits.number(h.scalars)) in.fail("its header has no number of scalars");
       k = static_cast<std::size_t>(digits.position() - code.data()) - 1;
     } else {
-      in.fail(fmt::format("its header names a field that is not known: '{}'", code.substr(k, 1)));
+      in.fail(fmt::format("its header names an unknown field: '{}'", code.substr(k, 1)));
     }
   }
 }
@@ -100,13 +100,13 @@ NekHeader parse_nek_header(const Input& in) {
   return h;
 }
 
-/// The fields of one step, element after element.
+/// The fields of one step, element by element.
 template <class T>
 struct NekFields {
   NekHeader header;
-  std::vector<std::uint32_t> elements;   ///< their numbers in the whole
-  std::vector<T> places, velocity;       ///< 3 a point
-  std::vector<T> pressure, temperature;  ///< 1 a point
+  std::vector<std::uint32_t> elements;   ///< their numbers in the whole mesh
+  std::vector<T> places, velocity;       ///< 3 per point
+  std::vector<T> pressure, temperature;  ///< 1 per point
   std::vector<std::vector<T>> scalars;
 };
 
@@ -117,17 +117,16 @@ class NekFile {
     const std::uint64_t field = h_.points() * h_.real;
     std::uint64_t needed = kNekHeader + 4;
     constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
-    if (h_.elements > kMost) in.fail("its header gives more numbers than there can be");
+    if (h_.elements > kMost) in.fail("its header gives an impossible number of values");
     if (h_.elements > in.bytes.size() / 4) in.fail_short(h_.elements * 4 + needed, in.bytes.size(), true);
     needed += 4 * h_.elements;
     if (field * h_.numbers() > 0 && h_.elements > kMost / (field * h_.numbers()))
-      in.fail("its header gives more numbers than there can be");
+      in.fail("its header gives an impossible number of values");
     needed += h_.elements * field * h_.numbers();
     if (in.bytes.size() < needed) in.fail_short(needed, in.bytes.size());
-    // In space the least and the most of each field in each element may follow.
+    // In 3-D files, the least and greatest value of each field in each element may follow.
     const std::uint64_t more = in.bytes.size() - needed, bounds = h_.elements * 8 * h_.numbers();
-    if (more != 0 && more != bounds)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(more)));
+    if (more != 0 && more != bounds) in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(more)));
   }
 
   void append_to(NekFields<T>& all) {
@@ -143,7 +142,7 @@ class NekFile {
   }
 
  private:
-  /// Of each element all first components, then all second ones …; vectors get three.
+  /// Each element stores all first components, then all second ones …; vectors are padded to three components.
   void append(std::size_t components, std::vector<T>& to) {
     const std::size_t n = h_.points(), width = components == 1 ? 1 : 3, first = to.size();
     to.resize(first + h_.elements * n * width);
@@ -159,7 +158,7 @@ class NekFile {
   const char* at_ = nullptr;
 };
 
-/// A pattern such as "flow%01d.f%05d": part and step, of fewer numbers the step alone, of three the part's folder, the
+/// A pattern such as "flow%01d.f%05d": part and step. A single number is the step; three are the part's folder, the
 /// part and the step.
 class NekStep {
  public:
@@ -188,7 +187,7 @@ class NekStep {
   }
 
  private:
-  /// Throws FileError for anything but %d with digits between.
+  /// Throws FileError for conversions other than %d with optional digits.
   std::size_t count() const {
     std::size_t numbers = 0;
     for (std::size_t i = 0; i < pattern_.size(); ++i) {
@@ -206,7 +205,7 @@ class NekStep {
   std::size_t numbers_ = 0;
 };
 
-/// Throws FileError naming `file` where the elements, each counted once, are not as many as the header says.
+/// Throws FileError naming `file` if the number of distinct elements differs from the header.
 void check_nek_elements(const std::string& file, const NekHeader& header, std::vector<std::uint32_t> elements) {
   std::sort(elements.begin(), elements.end());
   const auto count = static_cast<std::uint64_t>(std::unique(elements.begin(), elements.end()) - elements.begin());
@@ -224,14 +223,14 @@ NekFields<T> read_nek_step(const NekStep& step, const NekHeader& first, ReadRepo
     const FileContent content(name);
     const Input in{name, content.bytes(), report};
     const NekHeader h = parse_nek_header(in);
-    if (!h.laid_out_as(first)) in.fail("is laid out otherwise than the first part of its step");
+    if (!h.laid_out_as(first)) in.fail("has another layout than the first part of its step");
     NekFile<T>(in, h).append_to(all);
   }
   check_nek_elements(step.file(0), first, all.elements);
   return all;
 }
 
-/// Of a file that is not packed no more is read: the steps of a series are many, and large.
+/// Reads only the header of uncompressed files: the steps of a series are numerous and large.
 NekHeader nek_header_of(const std::string& file, ReadReport& report) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(file, ignored)) {
@@ -244,7 +243,7 @@ NekHeader nek_header_of(const std::string& file, ReadReport& report) {
   return parse_nek_header({file, content.bytes(), report});
 }
 
-/// Grids between the points of elements, as cells of one list: points on their borders are in it several times.
+/// Grids between the points of elements, as one list of cells; points on element borders are duplicated.
 template <class T>
 void add_nek_cells(const NekFields<T>& fields, GridBlock& block) {
   const auto [nx, ny, nz] = fields.header.dims;
@@ -271,10 +270,10 @@ void add_nek_cells(const NekFields<T>& fields, GridBlock& block) {
   }
 }
 
-/// Places from another step: its elements may stand in another order.
+/// Coordinates from another step, whose elements may have another order.
 template <class T>
 void take_nek_places(const Input& in, const NekFields<T>& from, NekFields<T>& to) {
-  if (to.elements.size() > from.elements.size())  // some of them twice
+  if (to.elements.size() > from.elements.size())  // some are duplicates
     in.fail(fmt::format("one of its steps has {} elements, the one with their coordinates {}",
                         grouped(to.elements.size()), grouped(from.elements.size())));
   std::map<std::uint32_t, std::size_t> where;
@@ -326,7 +325,7 @@ GridData nek_step(const Input& in, const NekStep& step, const NekHeader& header,
   return nek_volume(in, std::move(fields));
 }
 
-/// A step and its header, or why that cannot be read: this matters only where the step is needed.
+/// A step and its header, or the reason why it cannot be read, which is reported only if the step is needed.
 struct NekSeriesStep {
   NekStep step;
   NekHeader header;
@@ -397,7 +396,7 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
   for (std::int64_t k = 0; k < series.steps; ++k) {
     NekStep step(in, series.pattern, series.first + k);
     if (k > 0 && !std::filesystem::exists(step.file(0), ignored)) {
-      in.warn(fmt::format("announces {} steps, but there are files of {}", series.steps, k));
+      in.warn(fmt::format("announces {} steps, but only {} have files", series.steps, k));
       break;
     }
     steps.push_back(look_at_nek_step(in, step));
@@ -405,11 +404,11 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
   }
   check_time_step(in.file, wanted, steps.size());
   const NekHeader& header = steps[wanted].checked();
-  // Coordinates stand in the first step, and again where they have changed.
+  // The first step has coordinates, and later steps if they have changed.
   std::size_t mesh = wanted;
   while (mesh > 0 && !steps[mesh].checked().places) --mesh;
   const NekHeader& mesh_header = steps[mesh].checked();
-  if (!mesh_header.places) in.fail("none of its steps up to the one wanted has coordinates");
+  if (!mesh_header.places) in.fail("no step up to the requested one has coordinates");
   if (mesh_header.real != header.real) in.fail("its steps have numbers of different sizes");
   const auto read = header.real == 8 ? nek_step<double> : nek_step<float>;
   GridData data = read(in, steps[wanted].step, header, steps[mesh].step, mesh_header);

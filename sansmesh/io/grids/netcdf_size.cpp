@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Walks over the header, all of which is big endian and padded to multiples of four bytes.
+/// Iterates over the header, which is big endian and padded to multiples of four bytes.
 class NetcdfHeader {
  public:
   explicit NetcdfHeader(const Input& in) : in_(in), version_(in.bytes.size() > 3 ? in.bytes[3] : 0) {}
@@ -92,7 +92,7 @@ void check_netcdf_size(const Input& in) {
     }
     header.skip_attributes();
     const std::uint64_t size = (header.type_size() * values + 3) / 4 * 4;
-    header.count();  // the same size, as far as 32 bits can hold it
+    header.count();  // the same size, truncated to 32 bits
     const std::uint64_t begin = header.offset();
     if (begin > std::uint64_t{1} << 60) header.damaged();
     if (in_records)
@@ -104,7 +104,7 @@ void check_netcdf_size(const Input& in) {
     if (records > (std::uint64_t{1} << 50) / record) header.damaged();
     end = std::max(end, first_record + records * record);
   }
-  // The padding of the last array need not be there.
+  // The padding of the last array may be missing.
   if (end > in.bytes.size() + 3) in.fail_short(end, in.bytes.size());
 }
 

@@ -1,5 +1,5 @@
 // NRRD (teem.sourceforge.net/nrrd/format.html): lines "field: value" up to an empty one, then the numbers, or the names
-// of the files that hold them.
+// of their files.
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
@@ -77,7 +77,7 @@ struct NrrdHeader {
 NrrdHeader read_nrrd_header(const Input& in) {
   NrrdHeader header{HeaderFields(in), {}, {}};
   TextScanner text(in.bytes);
-  text.line();  // the magic
+  text.line();  // the magic number
   bool list = false, ended = false;
   while (!text.at_end()) {
     const std::string_view line = text.line();
@@ -93,7 +93,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos)
       in.fail(fmt::format("its header has a line that is not 'field: value': {}", line.substr(0, 40)));
-    if (line.substr(colon).starts_with(":=")) continue;  // keys and values of the user's
+    if (line.substr(colon).starts_with(":=")) continue;  // user-defined keys and values
     const std::string name = lower(nrrd_trimmed(line.substr(0, colon)));
     const std::string_view value = nrrd_trimmed(line.substr(colon + 1));
     if (name == "data file" || name == "datafile") {
@@ -113,7 +113,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
   return header;
 }
 
-/// What the axes of the file mean.
+/// Meaning of the file's axes.
 struct NrrdAxes {
   std::vector<std::size_t> sizes;
   std::vector<std::size_t> space;  ///< at most three axes of the file
@@ -151,8 +151,8 @@ NrrdAxes nrrd_axes(const Input& in, const HeaderFields& fields, const std::vecto
     else
       others.push_back(k);
   }
-  // Without a word about it, the first of more than three axes holds components where it is short, else the last one is
-  // time.
+  // If the header does not describe more than three axes, the first one is components if it is short, else the last one
+  // is time.
   while (axes.space.size() > 3) {
     const bool first = axes.sizes[axes.space.front()] <= 9 && others.empty();
     others.push_back(first ? axes.space.front() : axes.space.back());
@@ -255,7 +255,7 @@ std::string nrrd_unhex(const Input& in, std::string_view text) {
                   : c >= 'a' && c <= 'f' ? c - 'a' + 10
                   : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                          : -1;
-    if (v < 0) in.fail("its hexadecimal numbers hold something else");
+    if (v < 0) in.fail("its hexadecimal numbers contain other characters");
     if (high < 0) {
       high = v;
     } else {
@@ -264,6 +264,109 @@ std::string nrrd_unhex(const Input& in, std::string_view text) {
     }
   }
   return bytes;
+}
+
+/// The numbers of the file, in its order of axes.
+AttributeValues nrrd_values(const Input& in, const NrrdHeader& header, NumberType type, std::uint64_t count) {
+  const HeaderFields& fields = header.fields;
+  const std::uint64_t needed = count * size_of(type);
+  const std::string* const encoding_text = fields.find({"encoding"});
+  const std::string encoding = encoding_text ? lower(*encoding_text) : "raw";
+  const std::int64_t skip = fields.whole({"byte skip", "byteskip"}).value_or(0);
+  const std::int64_t lines = fields.whole({"line skip", "lineskip"}).value_or(0);
+  if (skip < -1 || lines < 0) in.fail("its header skips a negative number of bytes or lines");
+  const bool gzip = encoding == "gzip" || encoding == "gz";
+  std::optional<DataFiles> files;
+  std::string_view bytes = header.body;
+  // Lines are skipped before bytes; several files are joined only as a whole.
+  const bool several = header.files.size() > 1;
+  if (!header.files.empty()) {
+    if (several && (lines > 0 || encoding != "raw"))
+      in.fail("several data files are supported only if they are raw and without lines to skip");
+    files.emplace(in, header.files, several ? skip : 0, needed);
+    bytes = files->bytes();
+  }
+  const std::string& data_name = files ? files->name() : in.file;
+  const Input data{data_name, bytes, in.report};
+  for (std::int64_t k = 0; k < lines; ++k) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string_view::npos) data.fail("truncated: is shorter than the lines to skip");
+    bytes.remove_prefix(end + 1);
+  }
+  const auto skip_bytes = [&] {
+    if (several) return;
+    const std::uint64_t n = skip >= 0               ? static_cast<std::uint64_t>(skip)
+                            : bytes.size() > needed ? bytes.size() - needed
+                                                    : 0;
+    if (n > bytes.size()) data.fail("truncated: is shorter than the bytes to skip");
+    bytes.remove_prefix(n);
+  };
+  if (encoding == "txt" || encoding == "text" || encoding == "ascii") {
+    skip_bytes();
+    return parse_values(data, bytes, count, type);
+  }
+  std::vector<char> unpacked;
+  std::string unhexed;
+  if (gzip && bytes.starts_with("\x1f\x8b")) {  // detached data files are decompressed when opened
+    unpacked = unpack_values({data_name, bytes, in.report}, needed, needed + (std::uint64_t{1} << 20));
+    bytes = {unpacked.data(), unpacked.size()};
+  } else if (gzip && header.files.empty()) {
+    data.fail("its numbers are not compressed as its header says, or truncated");
+  } else if (encoding == "hex") {
+    unhexed = nrrd_unhex(data, bytes);
+    bytes = unhexed;
+  } else if (!gzip && encoding != "raw") {
+    in.fail(fmt::format("numbers in the encoding '{}' are not supported", encoding.substr(0, 40)));
+  }
+  skip_bytes();
+  if (bytes.size() < needed) data.fail_short(needed, bytes.size());
+  if (bytes.size() > needed)
+    in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(bytes.size() - needed)));
+  const std::string* const endian = fields.find({"endian"});
+  if (!endian && size_of(type) > 1 && encoding != "hex") in.fail("its header gives no byte order (endian)");
+  // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): bytes for `count` numbers are there
+  return decode_values(bytes.data(), count, type, endian && lower(*endian) == "big");
+}
+
+std::size_t product_before(const NrrdAxes& axes, std::size_t axis) {
+  std::size_t s = 1;
+  for (std::size_t k = 0; k < axis; ++k) s *= axes.sizes[k];
+  return s;
+}
+
+/// One of `steps` along the axis of time: axes after an axis are blocks of it.
+AttributeValues nrrd_step(const AttributeValues& values, const NrrdAxes& axes, std::size_t step, std::size_t steps,
+                          std::size_t count) {
+  const std::size_t inner = product_before(axes, *axes.time), outer = count / (inner * steps);
+  return std::visit(
+      [&](const auto& from) {
+        std::decay_t<decltype(from)> to;
+        to.reserve(inner * outer);
+        for (std::size_t o = 0; o < outer; ++o) {
+          const auto begin = from.begin() + static_cast<std::ptrdiff_t>((o * steps + step) * inner);
+          to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(inner));
+        }
+        return AttributeValues(std::move(to));
+      },
+      values);
+}
+
+/// Moves the components first: `inner` points precede their axis in `count` numbers.
+AttributeValues components_first(const AttributeValues& values, std::size_t components, std::size_t inner,
+                                 std::size_t count) {
+  const std::size_t blocks = count / (inner * components);
+  return std::visit(
+      [&](const auto& from) {
+        auto to = from;
+        for (std::size_t b = 0; b < blocks; ++b) {
+          for (std::size_t c = 0; c < components; ++c) {
+            for (std::size_t i = 0; i < inner; ++i)
+              to[(b * inner + i) * components + c] = from[(b * components + c) * inner + i];
+          }
+        }
+        return AttributeValues(std::move(to));
+      },
+      values);
 }
 
 }  // namespace
@@ -279,7 +382,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   if (const std::string* const text = fields.find({"space directions"})) directions = nrrd_vectors(in, *text);
   const auto n = fields.whole({"dimension"});
   if (!directions.empty() && (!n || static_cast<std::int64_t>(directions.size()) != *n))
-    in.fail("its header gives other than one space direction for each axis");
+    in.fail("its header must give one space direction for each axis");
   const NrrdAxes axes = nrrd_axes(in, fields, directions);
   std::uint64_t count = 1;
   for (const std::size_t s : axes.sizes) count = checked_product(in, {count, s});
@@ -287,107 +390,13 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   const std::size_t steps = axes.time ? axes.sizes[*axes.time] : 1;
   check_time_step(in.file, step, steps);
 
-  const std::string* const encoding_text = fields.find({"encoding"});
-  const std::string encoding = encoding_text ? lower(*encoding_text) : "raw";
-  const std::int64_t skip = fields.whole({"byte skip", "byteskip"}).value_or(0);
-  const std::int64_t lines = fields.whole({"line skip", "lineskip"}).value_or(0);
-  if (skip < -1 || lines < 0) in.fail("its header skips a negative number of bytes or lines");
-  const bool gzip = encoding == "gzip" || encoding == "gz";
-  std::optional<DataFiles> files;
-  std::string_view bytes = header.body;
-  if (!header.files.empty()) {
-    // Lines are skipped before bytes; of several files only whole ones are put together.
-    const bool several = header.files.size() > 1;
-    if (several && (lines > 0 || encoding != "raw"))
-      in.fail("several data files are supported only if they are raw and without lines to skip");
-    files.emplace(in, header.files, several ? skip : 0, count * size_of(*type));
-    bytes = files->bytes();
-  }
-  const std::string& data_name = files ? files->name() : in.file;
-  const Input data{data_name, bytes, in.report};
-  for (std::int64_t k = 0; k < lines; ++k) {
-    const std::size_t end = bytes.find('\n');
-    if (end == std::string_view::npos) data.fail("truncated: is shorter than the lines to skip");
-    bytes.remove_prefix(end + 1);
-  }
-  const bool skipped_by_files = header.files.size() > 1;
-  const auto skip_bytes = [&] {
-    if (skipped_by_files) return;
-    const std::uint64_t needed = count * size_of(*type);
-    const std::uint64_t n_skip = skip >= 0               ? static_cast<std::uint64_t>(skip)
-                                 : bytes.size() > needed ? bytes.size() - needed
-                                                         : 0;
-    if (n_skip > bytes.size()) data.fail("truncated: is shorter than the bytes to skip");
-    bytes.remove_prefix(n_skip);
-  };
-  std::vector<char> unpacked;
-  std::string unhexed;
-  AttributeValues values;
-  if (encoding == "txt" || encoding == "text" || encoding == "ascii") {
-    skip_bytes();
-    values = parse_values(data, bytes, count, *type);
-  } else {
-    if (gzip && bytes.starts_with("\x1f\x8b")) {  // a data file of its own has been unpacked on opening
-      const std::uint64_t needed = count * size_of(*type);
-      unpacked = unpack_values({data_name, bytes, in.report}, needed, needed + (std::uint64_t{1} << 20));
-      bytes = {unpacked.data(), unpacked.size()};
-    } else if (gzip && header.files.empty()) {
-      data.fail("its numbers are not compressed as its header says, or truncated");
-    } else if (encoding == "hex") {
-      unhexed = nrrd_unhex(data, bytes);
-      bytes = unhexed;
-    } else if (!gzip && encoding != "raw") {
-      in.fail(fmt::format("numbers in the encoding '{}' are not supported", encoding.substr(0, 40)));
-    }
-    skip_bytes();
-    const std::uint64_t needed = count * size_of(*type);
-    if (bytes.size() < needed) data.fail_short(needed, bytes.size());
-    if (bytes.size() > needed)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
-    const std::string* const endian = fields.find({"endian"});
-    if (!endian && size_of(*type) > 1 && encoding != "hex") in.fail("its header gives no byte order (endian)");
-    // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): bytes for `count` numbers are there
-    values = decode_values(bytes.data(), count, *type, endian && lower(*endian) == "big");
-  }
-
-  // Bring the components first and take the step of time: axes behind an axis are blocks of it.
-  const auto stride = [&](std::size_t axis) {
-    std::size_t s = 1;
-    for (std::size_t k = 0; k < axis; ++k) s *= axes.sizes[k];
-    return s;
-  };
-  if (axes.time) {
-    const std::size_t inner = stride(*axes.time), outer = count / (inner * steps);
-    values = std::visit(
-        [&](const auto& from) {
-          std::decay_t<decltype(from)> to;
-          to.reserve(inner * outer);
-          for (std::size_t o = 0; o < outer; ++o) {
-            const auto begin = from.begin() + static_cast<std::ptrdiff_t>((o * steps + step) * inner);
-            to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(inner));
-          }
-          return AttributeValues(std::move(to));
-        },
-        values);
-  }
+  AttributeValues values = nrrd_values(in, header, *type, count);
+  if (axes.time) values = nrrd_step(values, axes, step, steps, count);
   const std::size_t components = axes.components ? axes.sizes[*axes.components] : 1;
-  if (axes.components && stride(*axes.components) > 1) {
-    // Before the axis of components come `inner` points, behind it whole blocks of both.
-    std::size_t inner = stride(*axes.components);
-    if (axes.time && *axes.time < *axes.components) inner /= steps;
-    const std::size_t blocks = count / steps / (inner * components);
-    values = std::visit(
-        [&](const auto& from) {
-          auto to = from;
-          for (std::size_t b = 0; b < blocks; ++b) {
-            for (std::size_t c = 0; c < components; ++c) {
-              for (std::size_t i = 0; i < inner; ++i)
-                to[(b * inner + i) * components + c] = from[(b * components + c) * inner + i];
-            }
-          }
-          return AttributeValues(std::move(to));
-        },
-        values);
+  if (axes.components) {
+    std::size_t inner = product_before(axes, *axes.components);
+    if (inner > 1 && axes.time && *axes.time < *axes.components) inner /= steps;
+    if (inner > 1) values = components_first(values, components, inner, count / steps);
   }
   GridData result;
   result.format = "NRRD";

@@ -1,5 +1,5 @@
-// PLOT3D: curvilinear grids and their solutions, files without a word of how they are laid out. Every layout that there
-// is predicts the size of a file from the numbers at its beginning; the one that predicts it to the byte is the one.
+// PLOT3D: curvilinear grids and their solutions. Files do not describe their layout. Each possible layout predicts the
+// size of a file from the numbers at its beginning; the reader chooses the one whose prediction is exact.
 // Layouts: P. P. Walatka, P. G. Buning, L. Pierce, P. A. Elson, PLOT3D User's Manual, NASA TM 101067, 1990, chapter 8.
 #include <fmt/core.h>
 
@@ -21,11 +21,11 @@ enum class P3dContent : std::uint8_t { grid, solution, functions };
 
 struct P3dLayout {
   bool text = false, marks = false, big = false, multi = false, iblank = false, flat = false;
-  std::size_t real = 4;                          ///< bytes of a number
-  std::vector<std::array<std::size_t, 3>> dims;  ///< of each grid
-  std::vector<std::size_t> functions;            ///< of each grid: numbers a point
-  std::vector<std::size_t> at;  ///< where each grid's numbers begin: a byte, or the number's number in text
-  std::size_t end = 0;          ///< where they end
+  std::size_t real = 4;                          ///< bytes per number
+  std::vector<std::array<std::size_t, 3>> dims;  ///< per grid
+  std::vector<std::size_t> functions;            ///< per grid: numbers per point
+  std::vector<std::size_t> at;  ///< beginning of each grid's numbers: a byte offset, or the index of a number in text
+  std::size_t end = 0;          ///< end of the last grid
 
   std::size_t points(std::size_t grid) const { return dims[grid][0] * dims[grid][1] * dims[grid][2]; }
   std::string words() const {
@@ -41,7 +41,7 @@ struct P3dLayout {
   }
 };
 
-/// The numbers of a file in text; nothing where it is none. Repetitions (3*0.5) are written out.
+/// The numbers of a text file, or nothing for binary files. Expands repetitions (3*0.5).
 std::optional<std::vector<double>> p3d_numbers(std::string_view bytes) {
   for (const char c : bytes.substr(0, 256)) {
     if (!(c >= '0' && c <= '9') && !TextScanner::is_blank(c) &&
@@ -79,8 +79,8 @@ class P3dFile {
  public:
   explicit P3dFile(std::string_view bytes) : bytes_(bytes), text_(p3d_numbers(bytes)) {}
 
-  /// All layouts that fit; those in the plane are left out where there are others. `whole`: to the last byte; else
-  /// there may be more behind.
+  /// All matching layouts; planar ones only if there are no others. `whole`: matches to the last byte; else more bytes
+  /// may follow.
   std::vector<P3dLayout> layouts(P3dContent content, bool whole = true) const {
     std::vector<P3dLayout> found;
     for (const bool flat : {false, true}) {
@@ -104,7 +104,7 @@ class P3dFile {
     return found;
   }
 
-  /// Numbers of a layout: `at` is what P3dLayout::at counts.
+  /// Numbers of a layout; `at` is in the unit of P3dLayout::at.
   AttributeValues reals(const P3dLayout& l, std::size_t at, std::size_t count) const {
     if (text_) {
       const auto begin = text_->begin() + static_cast<std::ptrdiff_t>(at);
@@ -121,7 +121,7 @@ class P3dFile {
 
  private:
   std::size_t size() const { return text_ ? text_->size() : bytes_.size(); }
-  /// Integer at a place that is there; −1 where the text has no integer.
+  /// Integer at an existing position; −1 if the text has no integer there.
   std::int64_t integer(const P3dLayout& l, std::size_t at) const {
     if (text_) {
       const double v = (*text_)[at];
@@ -129,7 +129,7 @@ class P3dFile {
     }
     return l.big ? load<std::int32_t, true>(bytes_.data() + at) : load<std::int32_t>(bytes_.data() + at);
   }
-  /// Whether a mark with this value stands at `at`; moves past it.
+  /// Whether a record mark with this value is at `at`; moves past it.
   bool mark(const P3dLayout& l, std::size_t& at, std::uint64_t value) const {
     if (!l.marks) return true;
     if (value > 0x7fffffffu || at + 4 > size() || integer(l, at) != static_cast<std::int64_t>(value)) return false;
@@ -137,7 +137,7 @@ class P3dFile {
     return true;
   }
 
-  /// Reads the sizes at the beginning; `at` receives where they end.
+  /// Reads the sizes at the beginning; `at` receives their end.
   bool header(P3dContent content, P3dLayout& l, std::size_t& at) const {
     const std::size_t one = l.text ? 1 : 4, axes = l.flat ? 2 : 3, row = axes + (content == P3dContent::functions);
     std::size_t grids = 1;
@@ -179,7 +179,7 @@ class P3dFile {
     for (std::size_t g = 0; g < l.dims.size(); ++g) {
       const std::uint64_t n = l.points(g);
       if (content == P3dContent::solution) {
-        // Mach number, angle of attack, Reynolds number and time: a record of their own.
+        // Mach number, angle of attack, Reynolds number and time form a separate record.
         if (!mark(l, at, 4 * l.real) || 4 * l.real > size() - at) return false;
         at += 4 * l.real;
         if (!mark(l, at, 4 * l.real)) return false;
@@ -218,7 +218,7 @@ class P3dFile {
   std::optional<std::vector<double>> text_;
 };
 
-/// The only layout that fits; FileError where there is none or several.
+/// The only matching layout; FileError if there is none or several.
 P3dLayout p3d_layout(const Input& in, const P3dFile& file, P3dContent content, std::string_view what) {
   const std::vector<P3dLayout> found = file.layouts(content);
   if (found.size() == 1) return found[0];
@@ -234,7 +234,7 @@ double p3d_number(const AttributeValues& values, std::size_t i) {
   return std::visit([i](const auto& v) { return static_cast<double>(v[i]); }, values);
 }
 
-/// Arrays of the same type as `like`: of reals.
+/// Arrays of the same real type as `like`.
 AttributeValues p3d_reals(const AttributeValues& like, std::vector<double> numbers) {
   if (std::holds_alternative<std::vector<double>>(like)) return numbers;
   std::vector<float> narrow(numbers.size());
@@ -283,8 +283,8 @@ std::string p3d_dims(const P3dLayout& l) {
                            : fmt::format("{} x {} x {} points", l.dims[0][0], l.dims[0][1], l.dims[0][2]);
 }
 
-/// That of the values of a grid. Files by some programs have more behind the numbers; they can be told if they are laid
-/// out as the grid is.
+/// Layout of the values of a grid. Some programs append further bytes; the layout is still unique if it matches the
+/// grid's.
 P3dLayout p3d_value_layout(const Input& in, const P3dFile& file, P3dContent content, std::string_view what,
                            const std::string& grid_file, const P3dLayout& grid) {
   if (file.layouts(content).empty()) {
@@ -292,8 +292,7 @@ P3dLayout p3d_value_layout(const Input& in, const P3dFile& file, P3dContent cont
       if (l.dims != grid.dims || l.text != grid.text || l.marks != grid.marks || l.big != grid.big ||
           l.real != grid.real || l.multi != grid.multi || l.flat != grid.flat)
         continue;
-      if (!l.text)
-        in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(in.bytes.size() - l.end)));
+      if (!l.text) in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(in.bytes.size() - l.end)));
       return l;
     }
   }
@@ -331,7 +330,7 @@ std::string plot3d_solution_of(const std::string& grid) {
 GridData read_plot3d(const Input& in, const std::string& solution) {
   const P3dFile file(in.bytes);
   if (file.layouts(P3dContent::grid).empty() && !file.layouts(P3dContent::solution).empty())
-    in.fail("is the solution of a PLOT3D grid: name the file of the grid, say flowxyz.bin of flowq.bin");
+    in.fail("is the solution of a PLOT3D grid: name the file of the grid, for example flowxyz.bin for flowq.bin");
   const P3dLayout l = p3d_layout(in, file, P3dContent::grid, "grid");
   const std::string values = solution.empty() ? plot3d_solution_of(in.file) : solution;
 

@@ -14,7 +14,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// "256x256x128", or with commas.
-struct SizeWords {
+struct SizeOption {
   using Sizes = std::array<std::size_t, 3>;
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const Sizes& n) {
@@ -49,20 +49,20 @@ constexpr auto kTypeNames = type_names(std::make_index_sequence<static_cast<std:
 const OptionSchema& RawLayout::schema() {
   using O = RawLayout;
   static constexpr OptionRow rows[] = {
-      option<&O::dims, SizeWords>(
-          {.text = "Raw files: numbers of values along x, y and z, 256x256x128", .unit = "nx,ny,nz"}),
-      option<&O::type>({.text = "Of raw values: int8, uint8, int16, …, float, double",
+      option<&O::dims, SizeOption>(
+          {.text = "Raw files: numbers of points along x, y and z, 256x256x128", .unit = "nx,ny,nz"}),
+      option<&O::type>({.text = "Type of raw values: int8, uint8, int16, …, float, double",
                         .unit = "type",
                         .choices = kTypeNames,
                         .needs = "dims"}),
-      option<&O::spacing>({.text = "Of raw values along x, y and z", .range = positive(), .needs = "dims"}),
-      option<&O::big_endian>({.text = "Raw values have their high byte first", .needs = "dims"}),
-      option<&O::components>({.text = "Numbers at each place of raw files, side by side",
+      option<&O::spacing>({.text = "Distances of raw values along x, y and z", .range = positive(), .needs = "dims"}),
+      option<&O::big_endian>({.text = "Raw values are big endian", .needs = "dims"}),
+      option<&O::components>({.text = "Adjacent numbers per point of raw files",
                               .range = at_least(1),
                               .name = "raw_components",
                               .needs = "dims"}),
       option<&O::header_bytes>(
-          {.text = "That come before raw values", .unit = "bytes", .range = at_least(0), .needs = "dims"}),
+          {.text = "Size of the header before raw values", .unit = "bytes", .range = at_least(0), .needs = "dims"}),
   };
   static constexpr OptionSchema schema{rows};
   return schema;

@@ -1,4 +1,4 @@
-// Numbers without a header, whose layout the user or the name of the file tells.
+// Numbers without a header, in a layout given by the user or by the file's name.
 #include <fmt/core.h>
 
 #include <filesystem>

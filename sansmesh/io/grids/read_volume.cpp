@@ -1,4 +1,4 @@
-// Chooses the reader for a volume: by the first bytes of its file where they say what it is, else by its ending.
+// Chooses the reader of a volume: by the first bytes of its file if these are unique, else by its ending.
 #include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/io/grids/fill_values.h"
 
@@ -35,15 +35,15 @@ std::string known_volume_endings() {
   return known + ", and those of points";
 }
 
-/// Files of points are scattered samples: all of their readers are one here.
+/// Files of points are scattered samples: all of their readers count as one here.
 std::optional<FormatId> volume_format_of_name(const std::string& file) {
   const FormatInfo* const found = format_of_name(file, kVolume);
   if (!found) return std::nullopt;
   return found == format_of_name(file, kPoints) ? FormatId::table : found->id;
 }
 
-/// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
-/// versions of the format that VTK no longer reads, and may crash on.
+/// The type in the root element of a VTK XML file; empty if there is none. Throws FileError for AMR levels in versions
+/// of the format that VTK no longer reads, and may crash on.
 std::string vtk_xml_type(const Input& in) {
   if (in.bytes.substr(0, 4096).find("<VTKFile") == std::string_view::npos) return {};
   ReadReport ignored;
@@ -55,7 +55,7 @@ std::string vtk_xml_type(const Input& in) {
   double version = 0;
   io::TextScanner text((*tag)["version"]);
   if ((type.ends_with("AMR") || type.ends_with("HierarchicalBoxDataSet")) && (!text.number(version) || version < 1.1))
-    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it anew by ParaView");
+    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it again with ParaView");
   return type;
 }
 
@@ -66,7 +66,7 @@ std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml
   if (!xml_type.empty()) return FormatId::vtk_xml;
   const FormatInfo* const found = format_of_content(in.bytes);
   switch (const FormatId by_content = found ? found->id : FormatId::archive; by_content) {
-    case FormatId::exodus:  // HDF5 and NetCDF hold others, too
+    case FormatId::exodus:  // HDF5 and NetCDF also hold other data
       return by_name == FormatId::cgns ? *by_name : by_content;
     case FormatId::vtk_legacy:
     case FormatId::nrrd:
@@ -110,99 +110,112 @@ GridData scattered_points(const std::string& file, ReadReport& report) {
   return data;
 }
 
-GridData read_by_vtk_checked(const Input& in, io::VtkFormat format, const std::string& xml_type,
-                             const VolumeReadOptions& options, bool gzipped) {
-  if (gzipped) in.fail("files of this format are not read gzipped: unpack it first");
-  return io::read_by_vtk({in.file, format, xml_type, options.time_step});
+GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report);
+
+/// Checks the beginning of a file that the module reads, so that damage is reported before VTK allocates memory.
+void check_vtk_file(const Input& in, FormatId format, const std::string& xml_type) {
+  switch (format) {
+    case FormatId::vtk_xml:
+      if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
+      return io::check_vtk_xml_size(in);
+    case FormatId::vtk_legacy:
+      if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
+      return io::check_vtk_legacy_size(in);
+    case FormatId::exodus:
+      if (in.bytes.starts_with("CDF")) return io::check_netcdf_size(in);
+      if (in.bytes.starts_with("\x89HDF")) return;
+      in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
+    case FormatId::cgns:
+      if (in.bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) io::check_adf_size(in);
+      return;
+    default:
+      return;
+  }
 }
 
-GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report);
+std::optional<io::VtkFormat> vtk_format(FormatId format) {
+  constexpr std::pair<FormatId, io::VtkFormat> formats[] = {
+      {FormatId::vtk_xml, io::VtkFormat::xml},   {FormatId::vtk_legacy, io::VtkFormat::legacy},
+      {FormatId::exodus, io::VtkFormat::exodus}, {FormatId::ensight, io::VtkFormat::ensight},
+      {FormatId::cgns, io::VtkFormat::cgns},     {FormatId::openfoam, io::VtkFormat::openfoam},
+      {FormatId::dicom, io::VtkFormat::dicom}};
+  for (const auto& [id, vtk] : formats)
+    if (id == format) return vtk;
+  return std::nullopt;
+}
+
+RawLayout named_layout(const Input& in) {
+  const auto layout = io::raw_layout_of_name(in.file);
+  if (!layout)
+    in.fail(
+        "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
+        "write a MetaImage header (.mhd) for it");
+  return *layout;
+}
+
+/// Reads formats with a single step.
+GridData read_single_step(const Input& in, FormatId format, const VolumeReadOptions& options) {
+  io::check_time_step(in.file, options.time_step, 1);
+  switch (format) {
+    case FormatId::raw:
+      return io::read_raw(in, options.raw.given() ? options.raw : named_layout(in));
+    case FormatId::plot3d:
+      return io::read_plot3d(in, options.solution);
+    case FormatId::table:
+      return scattered_points(in.file, in.report);
+    case FormatId::nek_field:
+      return io::read_nek_field(in);
+    case FormatId::gmsh:
+      return io::read_gmsh(in);
+    case FormatId::medit:
+      return io::read_medit(in);
+    case FormatId::tetgen:
+      return io::read_tetgen_pair(in);
+    default:
+      return io::read_vega(in);
+  }
+}
 
 GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
                          bool inside_collection) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
-  // Programs open an empty file of this kind only to name the folder that it is in.
+  // OpenFOAM users open an empty file of this kind only to name its folder.
   if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report};
-  const auto only_step = [&] { io::check_time_step(file, options.time_step, 1); };
-  if (options.raw.given()) {
-    only_step();
-    return io::read_raw(in, options.raw);
-  }
+  if (options.raw.given()) return read_single_step(in, FormatId::raw, options);
   const std::string xml_type = vtk_xml_type(in);
-  const auto by_vtk = [&](io::VtkFormat format) {
-    return read_by_vtk_checked(in, format, xml_type, options, content.gzipped());
-  };
-  const auto format = format_of_volume(in, xml_type);
-  switch (format.value_or(FormatId::archive)) {
+  const FormatId format = format_of_volume(in, xml_type).value_or(FormatId::archive);
+  if (const auto vtk = vtk_format(format)) {
+    check_vtk_file(in, format, xml_type);
+    if (content.gzipped()) in.fail("files of this format are not read gzipped: unpack it first");
+    return io::read_by_vtk({file, *vtk, xml_type, options.time_step});
+  }
+  switch (format) {
     case FormatId::metaimage:
       return io::read_metaimage(in, options.time_step);
     case FormatId::nrrd:
       return io::read_nrrd(in, options.time_step);
-    case FormatId::raw: {
-      const auto layout = io::raw_layout_of_name(file);
-      if (!layout) {
-        in.fail(
-            "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
-            "write a MetaImage header (.mhd) for it");
-      }
-      only_step();
-      return io::read_raw(in, *layout);
-    }
-    case FormatId::plot3d:
-      only_step();
-      return io::read_plot3d(in, options.solution);
-    case FormatId::table:
-      only_step();
-      return scattered_points(file, report);
+    case FormatId::nek_series:
+      return io::read_nek_series(in, options.time_step);
     case FormatId::pvd:
     case FormatId::series:
       if (inside_collection) in.fail("is a collection inside another one");
       return read_collection(in, options, report);
-    case FormatId::vtk_xml:
-      if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
-      io::check_vtk_xml_size(in);
-      return by_vtk(io::VtkFormat::xml);
-    case FormatId::vtk_legacy:
-      if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
-      io::check_vtk_legacy_size(in);
-      return by_vtk(io::VtkFormat::legacy);
-    case FormatId::exodus:
-      if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);
-      if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
-      in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
-    case FormatId::ensight:
-      return by_vtk(io::VtkFormat::ensight);
-    case FormatId::cgns:
-      if (in.bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) io::check_adf_size(in);
-      return by_vtk(io::VtkFormat::cgns);
-    case FormatId::openfoam:
-      return by_vtk(io::VtkFormat::openfoam);
-    case FormatId::dicom:
-      return by_vtk(io::VtkFormat::dicom);
-    case FormatId::nek_field:
-      only_step();
-      return io::read_nek_field(in);
-    case FormatId::nek_series:
-      return io::read_nek_series(in, options.time_step);
     case FormatId::fitted_volume:
       in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
+    case FormatId::raw:
+    case FormatId::plot3d:
+    case FormatId::table:
+    case FormatId::nek_field:
     case FormatId::gmsh:
-      only_step();
-      return io::read_gmsh(in);
     case FormatId::medit:
-      only_step();
-      return io::read_medit(in);
     case FormatId::tetgen:
-      only_step();
-      return io::read_tetgen_pair(in);
     case FormatId::vega:
-      only_step();
-      return io::read_vega(in);
+      return read_single_step(in, format, options);
     default:
       break;
   }
@@ -239,7 +252,7 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
   return all;
 }
 
-/// Of all blocks together: what stands apart in one may not in another.
+/// Uses all blocks together: a value that is separate in one block may not be in another.
 GridData with_fill_values(GridData data, const FillValueOptions& fill) {
   const std::vector<std::string> lines = mark_fill_values(data, fill);
   data.notes.insert(data.notes.end(), lines.begin(), lines.end());
@@ -253,7 +266,7 @@ void check_points(const std::string& file, const GridData& data) {
   throw FileError(file, "holds no points");
 }
 
-/// Of a file that could be a table of points as well: those begin with a whole number only by chance.
+/// For files that could also be tables of points, which begin with an integer only by chance.
 bool holds_plot3d(const std::string& file) {
   try {
     const io::FileContent content(file);
@@ -267,11 +280,11 @@ bool holds_plot3d(const std::string& file) {
     ReadReport ignored;
     return io::is_plot3d({file, bytes, ignored});
   } catch (const FileError&) {
-    return false;  // its reader says why
+    return false;  // its reader reports the reason
   }
 }
 
-/// The volume as the file has it, fill values and all.
+/// The volume as in the file, including fill values.
 GridData read_whole(const std::string& file, const VolumeReadOptions& options, ReadReport& r) {
   r = {};
   GridData data = read_any_volume(file, options, r, false);
@@ -300,7 +313,7 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
   std::size_t parts = 0;
   for (std::size_t k = 0; k < files.size(); ++k) {
     VolumeReadOptions of_file = options;
-    // A grid and its solution, one after the other.
+    // A grid followed by its solution.
     if (of_file.solution.empty() && k + 1 < files.size()) {
       std::error_code ignored;
       const std::string solution = io::plot3d_solution_of(files[k]);

@@ -1,4 +1,4 @@
-// Which of several steps in time is wanted.
+// Range check of time steps.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,7 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Throws ArgumentError naming `time_step` and the file where there are not that many steps; a file without times has
-/// one.
+/// Throws ArgumentError naming `time_step` and the file if the step does not exist; a file without times has one step.
 void check_time_step(const std::string& file, std::size_t wanted, std::size_t steps);
 
 }  // namespace sansmesh::inline v1::io

@@ -11,8 +11,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Numbers, or "none" for no usual ones.
-struct FillWords {
+/// Numbers, or "none" to disable the usual ones.
+struct FillOption {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const FillValueOptions& fill) {
     std::vector<std::string> words;
@@ -45,15 +45,15 @@ const OptionSchema& VolumeReadOptions::schema() {
   using O = VolumeReadOptions;
   static const OptionRow rows[] = {
       option_group<&O::raw>(RawLayout::schema().rows),
-      option<&O::time_step>({.text = "Which of several steps in time, from 0", .unit = "number", .old_name = "step"}),
-      option<&O::solution>({.text = "Of a PLOT3D grid: the file of its values",
+      option<&O::time_step>({.text = "Index of the time step, from 0", .unit = "number", .old_name = "step"}),
+      option<&O::solution>({.text = "File of the values of a PLOT3D grid",
                             .unit = "file",
-                            .from_data = "the one beside it of that name"}),
-      option<&O::fill, FillWords>(
-          {.text = "This number stands for missing values, as usual ones (9.96921e36, -9999, …) do where they stand "
-                   "apart; none: they do not; may be repeated",
-           .unit = "value",
-           .name = "fill_value"}),
+                            .from_data = "the file of that name beside it"}),
+      option<&O::fill, FillOption>({.text =
+                                        "Number that marks missing values, beside usual ones (9.96921e36, -9999, …) "
+                                        "that are clearly separate; none: only numbers given here; may be repeated",
+                                    .unit = "value",
+                                    .name = "fill_value"}),
   };
   static const OptionSchema schema{rows};
   return schema;

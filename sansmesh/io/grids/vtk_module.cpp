@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kModuleFile = "libsansmesh_vtk.so";
 
-/// Folders in which the module may lie, seen from the program and from the library, if that is a file of its own.
+/// Folders that may contain the module, relative to the program and to the shared library, if there is one.
 std::vector<std::filesystem::path> module_places() {
   std::error_code failed;
   std::vector<std::filesystem::path> from, places;
@@ -58,7 +58,7 @@ VtkReadFunction find_module(std::string& why_not) {
     if (std::filesystem::exists(place, ignored)) return open_module(place.string(), why_not);
   }
   why_not =
-      "needs VTK's readers, which are not there: `scripts/install-deps volume`, then build with SANSMESH_BUILD_VTK "
+      "needs VTK's readers, which are not installed: `scripts/install-deps volume`, then build with SANSMESH_BUILD_VTK "
       "(./run volume … does both)";
   return nullptr;
 }

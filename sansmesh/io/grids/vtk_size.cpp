@@ -19,13 +19,13 @@ namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::uint64_t kMostPromised = std::uint64_t{1} << 60;
-/// Axes of lattices are lists of numbers, whether there are arrays or not: so many points a file may have along each.
+/// Axes of lattices are stored as lists of numbers even without arrays: limit of points along each.
 constexpr std::uint64_t kPointsOfAnyAxis = std::uint64_t{1} << 20;
-/// Files that name files that name files.
+/// Limit of nested references between files.
 constexpr int kMostNested = 4;
-/// Bytes that may be announced whatever a file holds: so much memory there is, and VTK says what is missing.
+/// Announced sizes up to this pass any file: the memory exists, and VTK reports missing data itself.
 constexpr std::uint64_t kAlwaysGranted = std::uint64_t{64} << 20;
-/// LZMA makes some 7,000 bytes of one, in blocks that are long enough.
+/// LZMA expands up to some 7,000 times, in blocks that are long enough.
 constexpr std::uint64_t kMostLzmaExpansion = std::uint64_t{1} << 14;
 
 std::uint64_t capped_product(std::uint64_t a, std::uint64_t b) {
@@ -38,7 +38,7 @@ std::uint64_t whole_number(std::string_view text) {
   return TextScanner(text).number(n) ? std::min(n, kMostPromised) : 0;
 }
 
-/// Bytes of a number of a type by VTK's name; 1 of unknown ones, which take at least that.
+/// Bytes per number of a type by VTK's name; 1 for unknown types, which take at least that.
 std::uint64_t bytes_of_type(std::string_view type) {
   const std::string t = lower(type);
   if (t.ends_with("64") || t == "double" || t == "vtktypeint64" || t == "long" || t == "unsigned_long") return 8;
@@ -47,13 +47,13 @@ std::uint64_t bytes_of_type(std::string_view type) {
   return 1;
 }
 
-/// Bytes that so many of them take.
+/// Bytes of `numbers` numbers.
 std::uint64_t bytes_of(std::uint64_t numbers, std::string_view type) {
   if (lower(type) == "bit") return (numbers + 7) / 8;
   return capped_product(numbers, bytes_of_type(type));
 }
 
-/// What an extent "0 3 0 4 0 5" spans.
+/// Size of an extent "0 3 0 4 0 5".
 struct Spanned {
   std::uint64_t points = 0, cells = 0, longest = 0;
 
@@ -73,10 +73,10 @@ struct Spanned {
   }
 };
 
-/// Adds up what the tags of a file announce.
+/// Sums the sizes that the tags of a file announce.
 class XmlPromises {
  public:
-  /// Of a piece of a lattice only its own extent is read, whatever the whole of it is.
+  /// Of a piece of a lattice only its own extent is read, whatever the extent of the whole.
   enum class Role { whole, piece };
 
   XmlPromises(const Input& in, Role role, int depth) : in_(in), role_(role), depth_(depth), held_(in.bytes.size()) {}
@@ -98,7 +98,7 @@ class XmlPromises {
   }
 
  private:
-  /// Points, or cells, that an array goes with: of its piece, and of the whole where room is made for that.
+  /// Points or cells of an array: of its piece, and of the whole if memory is allocated for that.
   struct Counts {
     std::uint64_t own = 0, whole = 0;
   };
@@ -117,7 +117,7 @@ class XmlPromises {
     }
     if (tag.name == "Piece" || tag.name == "DataSet") {
       const Spanned own(tag["Extent"]);
-      // Room is made for the whole, however little of it the pieces are; their arrays are the same.
+      // Memory is allocated for the whole, however small the pieces are; their arrays are the same.
       points_ = {std::max(own.points, whole_number(tag["NumberOfPoints"])), seen_piece_ ? 0 : whole_.points};
       cells_ = {std::max(own.cells, whole_number(tag["NumberOfCells"])), seen_piece_ ? 0 : whole_.cells};
       seen_piece_ = true;
@@ -126,7 +126,7 @@ class XmlPromises {
     } else if (tag.name == "PointData" || tag.name == "Points") {
       tuples_ = points_;
     } else if (tag.name == "CellData" || tag.name == "Cells") {
-      tuples_ = cells_;  // of cells, offsets and types; what connects them is as long as it is
+      tuples_ = cells_;  // offsets and types are per cell; the connectivity is as long as its data
     } else if (tag.name == "PPointData") {
       tuples_ = {0, whole_.points};
     } else if (tag.name == "PCellData") {
@@ -147,7 +147,7 @@ class XmlPromises {
     announced_.whole = capped_sum(announced_.whole, bytes(tuples.whole));
   }
 
-  /// What the file holds by others, which are looked at, too.
+  /// Content in referenced files, which are checked recursively.
   void add_file(std::string_view name, Role role) {
     if (name.empty() || depth_ == kMostNested) return;
     std::error_code error;
@@ -168,7 +168,7 @@ class XmlPromises {
     if (missing_.empty()) missing_ = parts.missing_;
   }
 
-  /// Elements with arrays whose lengths follow from nothing, or that are short.
+  /// Elements whose arrays have independent or short lengths.
   static constexpr std::string_view kOthers[] = {"FieldData", "Coordinates", "PCoordinates", "PPoints",
                                                  "Verts",     "Lines",       "Strips",       "Polys"};
   const Input& in_;
@@ -178,12 +178,12 @@ class XmlPromises {
   Spanned whole_{""};
   Counts points_, cells_, tuples_, announced_;
   std::uint64_t held_, longest_ = 0, by_files_ = 0;
-  /// Bytes of numbers by bytes of a file: in text a number takes a digit and what separates it from the next one.
+  /// Bytes of numbers per byte of the file: in text a number takes a digit and a separator.
   std::uint64_t expansion_ = 4;
-  std::string missing_;  ///< of the files that are named the first that is not there
+  std::string missing_;  ///< the first referenced file that does not exist
 };
 
-/// Walks over a legacy file as far as it is understood: what VTK makes of the rest is left to it.
+/// Parses a legacy file as far as it is understood; the rest is left to VTK.
 class LegacyPromises {
  public:
   explicit LegacyPromises(const Input& in) : in_(in), text_(in.bytes) {}
@@ -262,12 +262,12 @@ class LegacyPromises {
       TextScanner head = next_head();
       const std::uint64_t components = whole_number(head.word()), tuples = whole_number(head.word());
       if (!take(capped_product(components, tuples), head.word())) return false;
-      if (!binary_) return true;  // the others are not at the beginning of the next line
+      if (!binary_) return true;  // in text, other arrays do not begin on the next line
     }
     return true;
   }
 
-  /// Whether the numbers that come next were stepped over, or need not be.
+  /// Skips the next numbers if they are binary; false for types of unknown length.
   bool take(std::uint64_t numbers, std::string_view type) {
     const std::string t = lower(type);
     const std::uint64_t room = text_.rest().size();
@@ -281,7 +281,7 @@ class LegacyPromises {
     return true;
   }
 
-  /// Behind the name of the next array of a field, and behind what is said of the one before.
+  /// Moves past the name of the next array of a field, and past the metadata of the previous one.
   TextScanner next_head() {
     skip_line_end();
     for (;;) {
@@ -291,7 +291,7 @@ class LegacyPromises {
     }
   }
 
-  /// Up to an empty line.
+  /// Skips to an empty line.
   void skip_metadata() {
     while (!text_.at_end() && !text_.line().empty()) continue;
   }

@@ -27,7 +27,7 @@ constexpr const char* kKnown = ".vti .mhd .mha .nrrd";
 struct LatticeSteps {
   std::array<std::size_t, 3> size{};
   Vec3 first;                    ///< position of the first point
-  std::array<double, 3> step{};  ///< 1 where there is one point
+  std::array<double, 3> step{};  ///< 1 along axes with one point
 };
 
 LatticeSteps steps_of(const GridBlock& block) {
@@ -59,7 +59,7 @@ std::string bytes_of(const Attribute& a) {
       a.values);
 }
 
-/// The columns of the directions, one after the other.
+/// The columns of the direction matrix in sequence.
 std::string directions_of(const GridBlock& block, bool rows) {
   std::string text;
   for (std::size_t r = 0; r < 3; ++r)
@@ -69,8 +69,6 @@ std::string directions_of(const GridBlock& block, bool rows) {
 }
 
 std::vector<std::string> to_vti(const GridBlock& block, const LatticeSteps& s) {
-  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
   const std::string extent = fmt::format("0 {} 0 {} 0 {}", s.size[0] - 1, s.size[1] - 1, s.size[2] - 1);
   std::string xml = fmt::format(
       "<?xml version=\"1.0\"?>\n"
@@ -85,7 +83,7 @@ std::vector<std::string> to_vti(const GridBlock& block, const LatticeSteps& s) {
   for (const Attribute& a : block.point_arrays) {
     xml += fmt::format(
         "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        names[static_cast<std::size_t>(a.type())], io::to_xml(a.name), a.components, offset);
+        io::vtk_type_name(a.type()), io::to_xml(a.name), a.components, offset);
     std::string bytes = bytes_of(a);
     const std::uint64_t size = bytes.size();
     std::string head(sizeof(size), '\0');
@@ -135,10 +133,10 @@ std::vector<std::string> to_nrrd(const GridBlock& block, const LatticeSteps& s) 
 
 namespace {
 
-/// The file of the numbers beside a .mhd.
+/// The data file beside a .mhd.
 std::filesystem::path raw_of(const std::string& file) { return std::filesystem::path(file).replace_extension(".raw"); }
 
-/// Numbers that belong to something else than the header that is replaced are nobody's to overwrite.
+/// Refuses to overwrite data that do not belong to the replaced header.
 void check_raw(const std::string& file) {
   const std::filesystem::path raw = raw_of(file);
   std::error_code ignored;
@@ -146,9 +144,10 @@ void check_raw(const std::string& file) {
   std::ifstream header(file);
   for (std::string line; std::getline(header, line);)
     if (line.starts_with("ElementDataFile") && line.ends_with(raw.filename().string())) return;
-  throw FileError(raw.string(), fmt::format("is there already and belongs to no {}: another name is needed, or .mha, "
-                                            "which holds header and numbers",
-                                            std::filesystem::path(file).filename().string()));
+  throw FileError(
+      raw.string(),
+      fmt::format("already exists and belongs to no {}: choose another name, or .mha, which holds header and numbers",
+                  std::filesystem::path(file).filename().string()));
 }
 
 }  // namespace

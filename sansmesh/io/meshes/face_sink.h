@@ -1,4 +1,4 @@
-// From polygons and strips of any length to triangles.
+// Converts polygons and strips of any length to triangles.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Collects triangles. Polygons become fans around their first corner; indices that no point can have become
-/// 0xffffffff, which `finish` refuses.
+/// Collects triangles. Polygons become fans around their first corner. Impossible indices become 0xffffffff, which
+/// `finish` rejects.
 class FaceSink {
  public:
-  /// `face_of`, if given, gets for each triangle the number of its polygon or strip: 0 for the first one added.
+  /// `face_of`, if given, receives for each triangle the number of its polygon or strip, counted from 0.
   FaceSink(const Input& in, std::vector<std::array<std::uint32_t, 3>>& triangles,
            std::vector<std::uint32_t>* face_of = nullptr)
       : in_(in), triangles_(triangles), face_of_(face_of) {}
@@ -41,7 +41,7 @@ class FaceSink {
     ++face_;
   }
 
-  /// Reports what was left out.
+  /// Reports skipped faces.
   void done() const {
     if (degenerate_ > 0) {
       in_.warn(grouped(degenerate_) + " faces with fewer than 3 corners were left out");

@@ -1,5 +1,5 @@
 // Binary glTF 2.0: one mesh of one primitive. Positions stay relative to the mesh's origin, which becomes the
-// translation of the node: glTF has only floats.
+// translation of the node, because glTF has only floats.
 #include <nlohmann/json.hpp>
 
 #include "sansmesh/io/output.h"
@@ -12,10 +12,10 @@ using nlohmann::json;
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
 constexpr int component_u16 = 5123, component_u32 = 5125, component_float = 5126;
 
-/// The binary chunk and the views and accessors into it.
+/// The binary chunk with its views and accessors.
 class GlbBody {
  public:
-  /// Adds `count` elements of `stride` bytes as a view of their own with an accessor; returns the accessor's number.
+  /// Adds `count` elements of `stride` bytes as a new view with an accessor; returns the accessor's index.
   std::size_t add(const void* data, std::size_t count, std::size_t stride, int target, json accessor) {
     bytes_.resize((bytes_.size() + 3) / 4 * 4);
     views_.push_back(
@@ -35,7 +35,7 @@ class GlbBody {
   json views_ = json::array(), accessors_ = json::array();
 };
 
-/// The standard demands unit normals: unknown ones become the average of the triangles around.
+/// The standard requires unit normals: unknown ones become the mean of the adjacent triangles.
 std::vector<Vec3f> complete_normals(const TriangleMesh& m) {
   std::vector<Vec3f> normals = m.normals;
   if (std::find(normals.begin(), normals.end(), Vec3f{}) == normals.end()) return normals;
@@ -53,7 +53,7 @@ std::vector<Vec3f> complete_normals(const TriangleMesh& m) {
   return normals;
 }
 
-/// Colours of glTF are linear; 16 bits keep dark ones apart.
+/// Colours of glTF are linear; 16 bits keep dark ones distinct.
 std::vector<std::array<std::uint16_t, 4>> linear_colors(const TriangleMesh& m) {
   std::array<std::uint16_t, 256> table;
   for (std::size_t k = 0; k < 256; ++k) {
@@ -68,7 +68,7 @@ std::vector<std::array<std::uint16_t, 4>> linear_colors(const TriangleMesh& m) {
   return colors;
 }
 
-/// What glTF does not know begins with an underscore; by custom the rest is in capitals.
+/// Custom attributes of glTF begin with an underscore; by convention the rest is in capitals.
 std::string attribute_name(const std::string& name) {
   std::string result = "_";
   for (const char c : name) {

@@ -1,4 +1,4 @@
-// Wavefront OBJ: v (with colours on the line), vn and f in all its forms; lines, groups, materials are stepped over.
+// Wavefront OBJ: v (with colours on the line), vn and f in all its forms; lines, groups and materials are skipped.
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
@@ -62,7 +62,7 @@ class ObjReader {
     in_.fail(fmt::format("line {}: {}", grouped(line_), what));
   }
 
-  /// What is stepped over, but worth a word.
+  /// Reports skipped elements that may matter.
   void other(std::string_view key) {
     textures_ |= key == "vt";
     materials_ |= key == "usemtl";
@@ -77,18 +77,18 @@ class ObjReader {
     if (count < 3) malformed("a vertex needs three coordinates");
     positions_.push_back({v[0], v[1], v[2]});
     if (count >= 6) {
-      colors_.resize(positions_.size() - 1);  // those before had none: black
+      colors_.resize(positions_.size() - 1);  // earlier vertices have no colour: black
       colors_.push_back({v[3], v[4], v[5]});
     }
   }
 
   void normal(TextScanner& words) {
     Vec3 n;
-    if (!words.number(n.x) || !words.number(n.y) || !words.number(n.z)) malformed("a normal needs three components");
+    if (!words.vector(n)) malformed("a normal needs three components");
     normals_.push_back(Vec3f(n));
   }
 
-  /// From 1, 2, … or -1 (the latest), -2, … to 0, 1, …
+  /// Maps indices 1, 2, … and -1 (the last), -2, … to 0, 1, …
   std::int64_t resolve(std::int64_t index, std::size_t count, const char* what) const {
     const std::int64_t n = static_cast<std::int64_t>(count);
     if (index == 0 || index < -n)
@@ -118,7 +118,7 @@ class ObjReader {
     faces_.add_polygon(corners_);
   }
 
-  /// A vertex has a normal if all faces around it agree (within 2.5 degrees): at creases they do not.
+  /// A vertex receives a normal if all faces around it agree (within 2.5 degrees); at creases they do not.
   void assign_normals() {
     const std::size_t n = positions_.size();
     if (uses_.empty()) {
@@ -132,7 +132,7 @@ class ObjReader {
         in_.fail(fmt::format("a face refers to normal {}, but there are only {}", grouped(vn + 1),
                              grouped(normals_.size())));
       }
-      if (v >= static_cast<std::int64_t>(n)) continue;  // `finish` complains
+      if (v >= static_cast<std::int64_t>(n)) continue;  // `finish` reports it
       const Vec3f candidate = normals_[static_cast<std::size_t>(vn)];
       Vec3f& normal = points_.normals[static_cast<std::size_t>(v)];
       if (normal == Vec3f{})
@@ -165,7 +165,7 @@ class ObjReader {
   std::vector<Vec3> positions_;
   std::vector<Vec3> colors_;
   std::vector<Vec3f> normals_;
-  std::vector<std::array<std::int64_t, 2>> uses_;  ///< (vertex, normal) of every corner that names a normal
+  std::vector<std::array<std::int64_t, 2>> uses_;  ///< (vertex, normal) of every corner with a normal
   std::vector<std::int64_t> corners_;
   std::uint64_t line_ = 0;
   bool textures_ = false, materials_ = false, groups_ = false, lines_ = false;

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Lines with something on them, comments removed.
+/// Non-empty lines without comments.
 class OffLines {
  public:
   OffLines(const Input& in) : in_(in), text_(in.bytes) {}
@@ -37,76 +37,70 @@ class OffLines {
   std::uint64_t number_ = 0;
 };
 
-}  // namespace
+struct OffHeader {
+  bool colors = false, normals = false;
+  std::uint64_t vertices = 0, faces = 0;
+};
 
-PointSet read_off(const Input& in) {
-  in.report.format = "OFF";
-  OffLines lines(in);
+OffHeader read_off_header(const Input& in, OffLines& lines) {
+  OffHeader h;
   TextScanner words = lines.next("its header", 0, 0);
   std::string_view magic = words.word();
-  if (magic.size() < 3 || !magic.ends_with("OFF") || magic.size() > 8) {
+  if (magic.size() < 3 || !magic.ends_with("OFF") || magic.size() > 8)
     in.fail("is not an OFF file (does not begin with 'OFF')");
-  }
   in.report.format = std::string(magic);
   magic.remove_suffix(3);
-  bool has_colors = false, has_normals = false;
-  if (magic.starts_with("ST")) magic.remove_prefix(2), in.unread("texture coordinates");  // they come last
-  if (magic.starts_with("C")) magic.remove_prefix(1), has_colors = true;
-  if (magic.starts_with("N")) magic.remove_prefix(1), has_normals = true;
+  if (magic.starts_with("ST")) magic.remove_prefix(2), in.unread("texture coordinates");  // they are the last columns
+  if (magic.starts_with("C")) magic.remove_prefix(1), h.colors = true;
+  if (magic.starts_with("N")) magic.remove_prefix(1), h.normals = true;
   if (!magic.empty()) in.fail(fmt::format("unsupported kind of OFF file ('{}')", in.report.format));
   words.skip_blanks();
   if (words.rest().starts_with("BINARY")) in.fail("binary OFF files are not supported; convert it to ascii");
   if (words.at_end()) words = lines.next("its counts", 0, 0);
-  std::uint64_t vertices = 0, faces = 0;
-  if (!words.number(vertices) || !words.number(faces))
+  if (!words.number(h.vertices) || !words.number(h.faces))
     in.fail("malformed OFF header: no numbers of vertices and faces");
-  // A vertex takes at least "0 0 0\n" and a face "0\n".
+  // A vertex takes at least 6 characters ("0 0 0" and a line end), a face 2.
   const std::size_t room = lines.bytes_left() + 1;
-  if (vertices > room / 6 || faces > room / 2) {
+  if (h.vertices > room / 6 || h.faces > room / 2) {
     in.fail(fmt::format("truncated: announces {} vertices and {} faces, far more than its {} bytes hold",
-                        grouped(vertices), grouped(faces), grouped(in.bytes.size())));
+                        grouped(h.vertices), grouped(h.faces), grouped(in.bytes.size())));
   }
+  return h;
+}
 
-  PointSet points;
-  const std::size_t n = static_cast<std::size_t>(vertices);
-  std::vector<Vec3> positions(n);
-  std::vector<Vec3> colors;
+/// Returns the positions; appends normals and colours to `points`.
+std::vector<Vec3> read_off_vertices(const Input& in, OffLines& lines, const OffHeader& h, PointSet& points) {
+  std::vector<Vec3> positions(h.vertices), colors;
   bool fractional = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    TextScanner row = lines.next("vertex", i, vertices);
-    Vec3& p = positions[i];
-    if (!row.number(p.x) || !row.number(p.y) || !row.number(p.z)) {
-      in.fail(fmt::format("line {}: a vertex needs three coordinates", grouped(lines.number())));
-    }
-    if (has_normals) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    TextScanner row = lines.next("vertex", i, h.vertices);
+    const auto take = [&](Vec3& v, const char* needs) {
+      if (!row.vector(v)) in.fail(fmt::format("line {}: a vertex {}", grouped(lines.number()), needs));
+    };
+    take(positions[i], "needs three coordinates");
+    if (h.normals) {
       Vec3 normal;
-      if (!row.number(normal.x) || !row.number(normal.y) || !row.number(normal.z)) {
-        in.fail(fmt::format("line {}: a vertex of this file needs a normal", grouped(lines.number())));
-      }
+      take(normal, "of this file needs a normal");
       points.normals.push_back(Vec3f(normal));
     }
-    if (has_colors) {
-      const std::string_view rest = row.rest();
-      Vec3 c;
-      if (!row.number(c.x) || !row.number(c.y) || !row.number(c.z)) {
-        in.fail(fmt::format("line {}: a vertex of this file needs a colour", grouped(lines.number())));
-      }
-      fractional |= rest.find('.') != std::string_view::npos;
-      colors.push_back(c);
+    if (h.colors) {
+      fractional |= row.rest().find('.') != std::string_view::npos;
+      take(colors.emplace_back(), "of this file needs a colour");
     }
   }
-  if (!colors.empty()) {
-    double largest = 0;
-    for (const Vec3& c : colors) largest = std::max({largest, c.x, c.y, c.z});
-    const double scale = color_scale(largest, fractional);
-    for (const Vec3& c : colors)
-      points.colors.push_back({to_byte(c.x, scale), to_byte(c.y, scale), to_byte(c.z, scale)});
-  }
+  double largest = 0;
+  for (const Vec3& c : colors) largest = std::max({largest, c.x, c.y, c.z});
+  const double scale = color_scale(largest, fractional);
+  for (const Vec3& c : colors) points.colors.push_back({to_byte(c.x, scale), to_byte(c.y, scale), to_byte(c.z, scale)});
+  return positions;
+}
+
+void read_off_faces(const Input& in, OffLines& lines, const OffHeader& h, PointSet& points) {
   FaceSink sink(in, points.triangles);
   std::vector<std::int64_t> corners;
   bool face_colors = false;
-  for (std::uint64_t f = 0; f < faces; ++f) {
-    TextScanner row = lines.next("face", f, faces);
+  for (std::uint64_t f = 0; f < h.faces; ++f) {
+    TextScanner row = lines.next("face", f, h.faces);
     std::uint64_t count = 0;
     if (!row.number(count) || count > row.rest().size()) {
       in.fail(fmt::format("line {}: a face needs its number of corners and as many indices", grouped(lines.number())));
@@ -122,7 +116,18 @@ PointSet read_off(const Input& in) {
   }
   sink.done();
   if (face_colors) in.unread("colours of faces");
-  place_positions(in, points, n, [&](std::size_t i) { return positions[i]; });
+}
+
+}  // namespace
+
+PointSet read_off(const Input& in) {
+  in.report.format = "OFF";
+  OffLines lines(in);
+  const OffHeader header = read_off_header(in, lines);
+  PointSet points;
+  const std::vector<Vec3> positions = read_off_vertices(in, lines, header, points);
+  read_off_faces(in, lines, header, points);
+  place_positions(in, points, positions.size(), [&](std::size_t i) { return positions[i]; });
   finish(in, points);
   return points;
 }

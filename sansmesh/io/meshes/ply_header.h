@@ -1,4 +1,4 @@
-// The header of a PLY file: which elements follow, and of which properties their records consist.
+// Header of a PLY file: its elements and the properties of their records.
 #pragma once
 
 #include "sansmesh/io/binary.h"
@@ -22,7 +22,7 @@ struct PlyElement {
   bool fixed() const {
     return std::none_of(properties.begin(), properties.end(), [](const PlyProperty& p) { return p.is_list; });
   }
-  /// Bytes of one record whose lists are all empty.
+  /// Bytes of a record whose lists are all empty.
   std::size_t least_bytes() const {
     std::size_t s = 0;
     for (const PlyProperty& p : properties) s += size_of(p.is_list ? p.count_type : p.type);
@@ -48,7 +48,7 @@ struct PlyHeader {
   std::string_view body;
 };
 
-/// Throws FileError where the header is malformed or has no end.
+/// Throws FileError if the header is malformed or has no end.
 PlyHeader parse_ply_header(const Input& in);
 
 }  // namespace sansmesh::inline v1::io

@@ -1,6 +1,6 @@
-// PLY: ascii and binary of both byte orders. The vertex element becomes a table of columns, decoded in parallel; faces
-// and triangle strips become triangles; every other element is stepped over. Scalar properties that mean nothing here
-// are attributes, of the vertices or of the triangles that a face becomes; other lists are stepped over.
+// PLY: ascii and binary of both byte orders. The vertex element becomes a table of columns, decoded in parallel. Faces
+// and triangle strips become triangles. Other scalar properties become attributes of the vertices, or of the triangles
+// of a face. Other elements and lists are skipped.
 #include <fmt/core.h>
 
 #include <functional>
@@ -19,7 +19,7 @@ namespace {
 using Property = PlyProperty;
 using Element = PlyElement;
 
-/// The property that has one of the names, the earlier names first, or npos.
+/// The property with one of the names, earlier names first, or npos.
 std::size_t find_property(const Element& e, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -40,7 +40,7 @@ std::vector<NamedColumns> other_columns(const Element& e, const std::vector<std:
   return others;
 }
 
-/// Marks the properties that it finds a meaning for as `used`.
+/// Marks the properties with a known meaning as `used`.
 template <class MakeColumn>
 CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column, std::vector<std::uint8_t>& used) {
   CloudColumns c;
@@ -66,7 +66,7 @@ CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column
   return c;
 }
 
-/// Decodes vertices; column(k): the column of property k, of cells of text if `text`.
+/// Decodes vertices; column(k): the column of property k, with cells of text if `text`.
 template <class MakeColumn>
 void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, bool text, PointSet& points) {
   const std::size_t n = static_cast<std::size_t>(e.count);
@@ -78,8 +78,8 @@ void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, boo
   points.attributes = decode_attributes(in, other_columns(e, used, column), n);
 }
 
-/// Elements and lists that are stepped over.
-void tell_unread(const Input& in, const PlyHeader& header) {
+/// Reports skipped elements and lists.
+void report_skipped(const Input& in, const PlyHeader& header) {
   for (const Element& e : header.elements) {
     if (e.count == 0) continue;
     const bool faces = e.holds_polygons() || e.holds_strips();
@@ -93,7 +93,7 @@ void tell_unread(const Input& in, const PlyHeader& header) {
   }
 }
 
-/// Whether faces have numbers beside their lists.
+/// Whether faces have scalar properties.
 bool has_scalars(const Element& e) {
   return std::any_of(e.properties.begin(), e.properties.end(), [](const Property& q) { return !q.is_list; });
 }
@@ -105,7 +105,7 @@ AttributeTable decode_faces(const Input& in, const Element& e, MakeColumn&& colu
   return decode_attributes(in, other_columns(e, none, column), static_cast<std::size_t>(e.count));
 }
 
-/// Columns of a table of cells, a row for each record.
+/// Columns of a table of cells, one row per record.
 auto columns_of(const Element& e, const std::vector<double>& table) {
   return [&](std::size_t k) {
     return Column{reinterpret_cast<const char*>(table.data() + k), e.properties.size() * sizeof(double),
@@ -122,7 +122,7 @@ void check_room(const Input& in, const Element& e, std::size_t least, std::size_
   in.fail_short(e.count * least, have, !exact);
 }
 
-/// An index given as a number of any type; -1 where it has no integer.
+/// An index given as a number of any type; -1 if it is not an integer.
 template <class T>
 std::int64_t to_index(T value) {
   if constexpr (std::is_floating_point_v<T>)
@@ -132,7 +132,7 @@ std::int64_t to_index(T value) {
 
 // ---------------------------------------------------------------------------------------------------- binary
 
-/// Steps over one record of `e` at `p`, calling seen(property, count, address) for each; null if it leaves `end`.
+/// Skips one record of `e` at `p`, calling seen(property, count, address) for each property; null if it exceeds `end`.
 template <class Seen>
 const char* walk_record(const Element& e, const char* p, const char* end, bool swap, Seen&& seen) {
   for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -167,7 +167,7 @@ std::size_t uniform_record(const Element& e, std::string_view body, bool swap, s
   if (!after) return 0;
   const std::size_t stride = static_cast<std::size_t>(after - base);
   if (stride == 0 || e.count > body.size() / stride) return 0;
-  // If every count at its assumed place agrees, then by induction every record starts where assumed.
+  // If every count at its assumed position agrees, then by induction every record starts at its assumed position.
   for (std::size_t k = 0; k < e.properties.size(); ++k) {
     const Property& q = e.properties[k];
     if (!q.is_list) continue;
@@ -190,7 +190,7 @@ std::size_t uniform_record(const Element& e, std::string_view body, bool swap, s
   return stride;
 }
 
-/// Reads or steps over element `e` at the start of `body`; returns what follows it.
+/// Reads or skips element `e` at the start of `body`; returns the bytes after it.
 std::string_view read_binary_element(const Input& in, const Element& e, std::string_view body, bool swap,
                                      PointSet& points) {
   const bool vertices = e.name == "vertex";
@@ -236,7 +236,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
     }
   }
 
-  // Records of different lengths: one after the other.
+  // Records of different lengths are read sequentially.
   const char* p = body.data();
   const char* const end = p + body.size();
   std::vector<std::uint32_t> face_of;
@@ -271,13 +271,13 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
 
 // ----------------------------------------------------------------------------------------------------- ascii
 
-/// The rows of a fixed ascii element as a table, read in parallel, if every one of the next lines that is not blank
-/// holds exactly one record; nothing (and `text` unmoved) otherwise.
+/// Reads the rows of a fixed ascii element as a table, in parallel, if each of the next non-blank lines holds exactly
+/// one record; otherwise returns false and leaves `text` unmoved.
 bool read_rows(TextScanner& text, const Element& e, std::vector<double>& table) {
   const std::size_t n = static_cast<std::size_t>(e.count), width = e.properties.size();
   const std::string_view all = text.rest();
   const std::size_t chunk = 1 << 13;
-  std::vector<const char*> starts;  // of every chunk-th line
+  std::vector<const char*> starts;  // beginning of every chunk-th line
   const char* p = all.data();
   const char* const end = p + all.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -401,12 +401,12 @@ PointSet read_ply(const Input& in) {
                                        [](const Element& e) { return e.name == "range_grid"; });
   if (range_image) set_scanner(points, {0, 0, 1});
   for (const Attribute& a : points.triangle_attributes) {
-    if (a.rows() == points.triangles.size()) continue;  // else faces of several elements
+    if (a.rows() == points.triangles.size()) continue;  // else the faces are of several elements
     in.warn("attributes of faces are read where one element holds all faces: they were left out");
     points.triangle_attributes.clear();
     break;
   }
-  tell_unread(in, header);
+  report_skipped(in, header);
   finish(in, points);
   return points;
 }

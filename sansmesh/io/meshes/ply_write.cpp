@@ -1,4 +1,4 @@
-// PLY output. Positions are float, or double where float would lose more than 1e-7 of the extent.
+// PLY output. Positions are float, or double if float would lose more than 1e-7 of the extent.
 #include <fmt/core.h>
 
 #include "sansmesh/io/output.h"
@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// The names of 64 bits are not in the format's first description; readers that know no such numbers say so.
+/// The names of 64-bit types are not in the format's first description; readers that do not know them report an error.
 const char* ply_type(NumberType type) {
   constexpr const char* names[] = {"char", "uchar", "short",  "ushort", "int",
                                    "uint", "int64", "uint64", "float",  "double"};
@@ -90,7 +90,7 @@ std::vector<std::string> mesh_to_ply(const TriangleMesh& m, const WriteOptions& 
 }
 
 std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptions& options) {
-  // The vertices of a cloud, and behind them the edges.
+  // The vertices of a cloud, then the edges.
   PointSet points;
   points.origin = lines.origin, points.positions = lines.positions, points.attributes = lines.attributes;
   std::vector<std::string> parts = to_ply(OutputContent(points), options);

@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Hash table of vertices with open addressing: exact equality only, so results do not depend on the order of anything.
+/// Hash table of vertices with open addressing. Only exact equality counts, so that results do not depend on the order.
 class Welder {
  public:
   explicit Welder(std::size_t expected_corners) {
@@ -42,7 +42,7 @@ class Welder {
  private:
   static constexpr std::uint32_t empty = 0xffffffffu;
 
-  // Bits, so that NaN equals itself.
+  // Compares bits, so that NaN equals itself.
   static bool same(const Vec3& a, const Vec3& b) {
     using Bits = std::array<std::uint64_t, 3>;
     return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
@@ -90,7 +90,7 @@ void read_ascii(const Input& in, PointSet& points, Welder& weld) {
     const std::string_view key = words.word();
     if (key == "vertex" || key == "VERTEX") {
       Vec3 p;
-      if (!words.number(p.x) || !words.number(p.y) || !words.number(p.z)) {
+      if (!words.vector(p)) {
         in.fail(fmt::format("line {}: a vertex needs three coordinates", grouped(number)));
       }
       if (filled == 3) in.fail(fmt::format("line {}: a facet with more than three vertices", grouped(number)));
@@ -118,7 +118,7 @@ PointSet read_stl(const Input& in) {
   TextScanner start(in.bytes);
   start.skip_space();
   const std::string_view head = in.bytes.substr(0, 2048);
-  // Some binary files begin with "solid" too: the size decides first.
+  // Some binary files begin with "solid", too: the size decides first.
   const bool text =
       size != needed && lower(start.rest().substr(0, 5)) == "solid" && head.find('\0') == std::string_view::npos;
   Welder weld(text ? size / 64 : std::min<std::uint64_t>(announced, size / 50) * 2);

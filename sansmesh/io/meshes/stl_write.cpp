@@ -1,4 +1,4 @@
-// STL output, binary unless asked otherwise or unless its floats would destroy the shape.
+// STL output, binary unless text is requested or its floats would destroy the shape.
 #include <fmt/core.h>
 
 #include "sansmesh/io/output.h"

@@ -47,6 +47,21 @@ std::optional<XmlTag> XmlScanner::next() {
   }
 }
 
+namespace {
+
+constexpr const char* kVtkTypes[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                     "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+
+}  // namespace
+
+const char* vtk_type_name(NumberType type) { return kVtkTypes[static_cast<std::size_t>(type)]; }
+
+std::optional<NumberType> vtk_type_of_name(std::string_view name) {
+  const auto* const at = std::find(std::begin(kVtkTypes), std::end(kVtkTypes), name);
+  if (at == std::end(kVtkTypes)) return std::nullopt;
+  return static_cast<NumberType>(at - std::begin(kVtkTypes));
+}
+
 std::string from_xml(std::string_view value) {
   static constexpr std::pair<std::string_view, char> entities[] = {
       {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
@@ -60,7 +75,7 @@ std::string from_xml(std::string_view value) {
       unsigned code = 0;
       if (known != std::end(entities)) code = static_cast<unsigned char>(known->second);
       if (name.size() > 1 && name[0] == '#') TextScanner(name.substr(1)).number(code);
-      if (code > 0 && code < 128) {  // beyond ASCII files hold UTF-8
+      if (code > 0 && code < 128) {  // non-ASCII characters are UTF-8 in files
         text += static_cast<char>(code);
         value.remove_prefix(stop + 1);
         continue;

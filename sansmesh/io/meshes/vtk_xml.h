@@ -1,16 +1,18 @@
-// The little of XML that VTK writes: tags with quoted attributes, text between them.
+// Parser for the subset of XML that VTK writes: tags with quoted attributes, text between them.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <vector>
 
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
 
-/// A start tag, an end tag (name begins with '/') or an element that closes itself; comments and the like are skipped.
+/// A start tag, an end tag (name begins with '/') or a self-closing element. Comments and processing instructions are
+/// skipped.
 struct XmlTag {
   std::string_view name;
   std::map<std::string_view, std::string_view> attributes;
@@ -22,12 +24,12 @@ struct XmlTag {
   }
 };
 
-/// Walks over the tags of a file.
+/// Iterates over the tags of a file.
 class XmlScanner {
  public:
   explicit XmlScanner(const Input& in) : in_(in), p_(in.bytes.data()), end_(p_ + in.bytes.size()) {}
 
-  /// The next tag; nothing at the end. Throws FileError where a tag is cut or malformed.
+  /// The next tag; empty at the end. Throws FileError if a tag is cut or malformed.
   std::optional<XmlTag> next();
   /// Text up to the next tag.
   std::string_view text() const { return rest().substr(0, rest().find('<')); }
@@ -40,12 +42,16 @@ class XmlScanner {
   const char* end_;
 };
 
-/// An attribute's value with its entities (&amp; &#65; …) as the characters that they stand for, and back.
+/// VTK's name of a type: "Float32".
+const char* vtk_type_name(NumberType type);
+std::optional<NumberType> vtk_type_of_name(std::string_view name);
+
+/// Replaces the entities of an attribute's value (&amp; &#65; …) by their characters, and back.
 std::string from_xml(std::string_view value);
 std::string to_xml(std::string_view value);
 
-/// Decodes groups of four characters until something else comes. A group that is padded does not end it: VTK puts
-/// header and data one after the other, each padded for itself.
+/// Decodes groups of four characters up to the first other character. A padded group does not end the data: VTK joins
+/// header and data, each padded separately.
 std::vector<char> decode_base64(std::string_view text);
 
 }  // namespace sansmesh::inline v1::io

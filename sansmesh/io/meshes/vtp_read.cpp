@@ -23,7 +23,7 @@ namespace {
 struct Array {
   std::string name;
   NumberType type = NumberType::f32;
-  NumberType declared = NumberType::f32;  ///< text is read into wider numbers
+  NumberType declared = NumberType::f32;  ///< type in the file; text is read into wider numbers
   std::size_t components = 1;
   bool swap = false;
   std::vector<char> bytes;
@@ -52,7 +52,7 @@ struct Array {
   }
 };
 
-/// Arrays of more numbers a row are no attributes.
+/// Arrays with more numbers per row are not read as attributes.
 constexpr std::size_t kMostComponents = 4096;
 
 class VtpReader {
@@ -65,7 +65,7 @@ class VtpReader {
     return assemble();
   }
 
-  /// The lines of all pieces; none where there are none.
+  /// The lines of all pieces, if there are any.
   PolylineSet read_lines() {
     lines_wanted_ = true;
     scan();
@@ -152,7 +152,7 @@ class VtpReader {
         line_connectivity, line_offsets;
     std::vector<Array> of_points, of_cells;
     std::string_view normals_name, scalars_name;
-    std::size_t other_cells = 0;  ///< before the polygons: vertices and lines
+    std::size_t other_cells = 0;  ///< vertices and lines before the polygons
   };
 
   void find_appended() {
@@ -193,7 +193,8 @@ class VtpReader {
              tag["type"] == "UInt8" && names_colors(lower_name, name))
       target = &piece_.colors;
     const bool attribute = !target && (section == "PointData" || section == "CellData");
-    if (attribute ? !find_type(tag["type"]) || components == 0 || components > kMostComponents : !target || *target)
+    if (attribute ? !vtk_type_of_name(tag["type"]) || components == 0 || components > kMostComponents
+                  : !target || *target)
       return;
     if (section == "Points" && components != 3) in_.fail("malformed VTP: points without 3 components");
 
@@ -235,19 +236,8 @@ class VtpReader {
     return name.empty() || name == piece_.scalars_name || has("color") || has("colour") || has("rgb") || has("diffuse");
   }
 
-  static std::optional<NumberType> find_type(std::string_view t) {
-    constexpr std::pair<std::string_view, NumberType> types[] = {
-        {"Int8", NumberType::i8},    {"UInt8", NumberType::u8},   {"Int16", NumberType::i16},
-        {"UInt16", NumberType::u16}, {"Int32", NumberType::i32},  {"UInt32", NumberType::u32},
-        {"Int64", NumberType::i64},  {"UInt64", NumberType::u64}, {"Float32", NumberType::f32},
-        {"Float64", NumberType::f64}};
-    for (const auto& [name, type] : types) {
-      if (name == t) return type;
-    }
-    return std::nullopt;
-  }
   NumberType parse_type(std::string_view t) const {
-    if (const auto type = find_type(t)) return *type;
+    if (const auto type = vtk_type_of_name(t)) return *type;
     in_.fail(fmt::format("malformed VTP: unknown type '{}' of an array", t));
   }
 
@@ -273,7 +263,7 @@ class VtpReader {
     return swap_ ? load<std::uint32_t, true>(p) : load<std::uint32_t>(p);
   }
 
-  /// Characters of base64 that the array at the start of `text` takes.
+  /// Number of base64 characters of the array at the start of `text`.
   std::size_t base64_extent(std::string_view text) const {
     const std::size_t size = wide_header_ ? 8 : 4;
     const auto encoded = [](std::uint64_t bytes) { return (bytes + 2) / 3 * 4; };
@@ -281,7 +271,7 @@ class VtpReader {
     const std::vector<char> first = decoded(size);
     const std::uint64_t value = header_value({first.data(), first.size()}, 0);
     if (value > text.size()) return text.size();
-    // Some writers encode header and data together, some one by one, which takes a little more.
+    // Some writers encode header and data together, some separately, which takes slightly more.
     if (compressor_.empty()) return encoded(size) + encoded(value);
     const std::size_t header = size * (3 + static_cast<std::size_t>(value));
     const std::vector<char> sizes = decoded(header);
@@ -290,8 +280,8 @@ class VtpReader {
     return packed > text.size() ? text.size() : encoded(header) + encoded(packed);
   }
 
-  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes per block, bytes of the last one (0 =
-  /// full), packed bytes of each.
+  /// Decodes header and data. Uncompressed data have the header: bytes. Compressed: blocks, bytes per block, bytes of
+  /// the last one (0 = full), packed bytes of each.
   void unpack(Array& array, std::string_view data) {
     const std::size_t size = wide_header_ ? 8 : 4;
     if (compressor_.empty()) {
@@ -337,12 +327,12 @@ class VtpReader {
     }
   }
 
-  /// No two arrays stand in the same bytes: else a small file would hold as much as one likes.
+  /// No two arrays may share bytes: otherwise a small file could expand without limit.
   void count_taken(std::uint64_t bytes) {
     taken_ += bytes;
     if (taken_ > in_.bytes.size())
-      in_.fail(fmt::format("malformed VTP: its arrays lie on each other: they take at least {} of its {} bytes",
-                           grouped(taken_), grouped(in_.bytes.size())));
+      in_.fail(fmt::format("malformed VTP: its arrays overlap: they take at least {} of its {} bytes", grouped(taken_),
+                           grouped(in_.bytes.size())));
   }
 
   void add_piece() {
@@ -395,7 +385,7 @@ class VtpReader {
     return points;
   }
 
-  /// n rows of the arrays after those `skipped`.
+  /// n rows of the arrays after `skipped` rows.
   AttributeTable decode(const std::vector<Array>& arrays, std::size_t n, std::size_t skipped, const char* of) const {
     std::vector<NamedColumns> columns;
     for (const Array& a : arrays) {

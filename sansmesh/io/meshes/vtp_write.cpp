@@ -10,13 +10,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-const char* vtk_type(NumberType type) {
-  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-  return names[static_cast<std::size_t>(type)];
-}
-
-/// The XML and what is appended to it, array by array.
+/// The XML and its appended data, built array by array.
 class VtpFile {
  public:
   explicit VtpFile(bool ascii) : ascii_(ascii) {}
@@ -26,12 +20,12 @@ class VtpFile {
     xml_ += text + "\n";
   }
 
-  /// `numbers` numbers from at(i), `components` each row.
+  /// Adds `numbers` numbers from at(i), with `components` per row.
   template <class At>
   void array(int depth, std::string_view name, std::size_t components, std::size_t numbers, At&& at) {
     using T = std::decay_t<decltype(at(std::size_t{}))>;
     const std::string tag = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
-                                        vtk_type(number_type_of<T>()), to_xml(name), components);
+                                        vtk_type_name(number_type_of<T>()), to_xml(name), components);
     if (ascii_) {
       line(depth, tag + " format=\"ascii\">");
       std::vector<std::string> rows;
@@ -80,7 +74,7 @@ class VtpFile {
     line(depth, "</Points>");
   }
 
-  /// All down to the arrays of points.
+  /// Writes everything up to the arrays of points.
   void begin(std::size_t points, std::size_t vertices, std::size_t lines, std::size_t polygons) {
     line(0, "<?xml version=\"1.0\"?>");
     line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
@@ -110,7 +104,7 @@ class VtpFile {
   std::uint64_t offset_ = 0;
 };
 
-/// Indices as small as they can be.
+/// Indices of the smallest sufficient type.
 template <class Write>
 void with_index_type(std::size_t largest, Write&& write) {
   if (largest <= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
@@ -123,7 +117,7 @@ std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOp
   const std::size_t n = c.positions.size(), faces = c.triangles.size();
   const WorldCoordinates world(c.origin, c.positions);
   VtpFile file(options.ascii);
-  // Points without faces are one vertex cell, or no viewer would draw them.
+  // Points without faces become one vertex cell; otherwise viewers would not draw them.
   file.begin(n, mesh ? 0 : 1, 0, faces);
   file.line(3, fmt::format("<PointData{}{}>", c.normals.empty() ? "" : " Normals=\"Normals\"",
                            c.colors.empty() ? "" : " Scalars=\"RGB\""));

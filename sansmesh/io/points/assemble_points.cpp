@@ -13,20 +13,19 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Strays are at most one position in so many at each end of an axis, and make the box so many times larger than that
-/// of the others.
+/// Strays are at most one position in kStrays at each end of an axis, and enlarge the box by this factor.
 constexpr std::size_t kStrays = 1000, kFewestWithStrays = 20;
 constexpr double kFarAway = 100;
 
-/// Decimals that matter: more are written of floats, whose last digits mean nothing; and the share of its numbers that
-/// may be strays.
+/// Most significant decimals: floats are often written with more, whose last digits are noise; and the share of numbers
+/// that may be strays.
 constexpr int kMostDecimals = 4;
 constexpr double kLostShare = 1e-3;
-/// Loss that matters where the numbers do not tell their resolution: large lengths are of surveys, in metres or feet.
-/// Larger ones than the Earth has, in metres, are of other things.
+/// Significant loss if the numbers do not show their resolution: large lengths come from surveys, in metres or feet.
+/// Lengths beyond the size of the Earth in metres are not surveys.
 constexpr double kLostLength = 1e-2, kLargestSurvey = 4e7;
 
-/// The unit of the last decimal of all numbers: 0.01 for 12.25, 3 and -7.1; nothing where some have more decimals.
+/// The unit of the last decimal of all numbers: 0.01 for 12.25, 3 and -7.1; empty if some have more decimals.
 std::optional<double> decimal_resolution(std::span<const Vec3> some) {
   double factor = 1;
   for (int decimals = 0; decimals <= kMostDecimals; ++decimals, factor *= 10) {
@@ -34,7 +33,7 @@ std::optional<double> decimal_resolution(std::span<const Vec3> some) {
     for (std::size_t i = 0; whole && i < some.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         const double scaled = some[i][k] * factor, slack = 4 * std::abs(scaled) * 0x1p-53;
-        if (slack > 0.01) return std::nullopt;  // a double no longer tells
+        if (slack > 0.01) return std::nullopt;  // beyond the precision of a double
         whole = whole && std::abs(scaled - std::nearbyint(scaled)) <= slack;
       }
     if (whole) return 1 / factor;
@@ -42,14 +41,14 @@ std::optional<double> decimal_resolution(std::span<const Vec3> some) {
   return std::nullopt;
 }
 
-/// On a grid of a power of two, half to a quarter of `length`: differences of floats from there are rounded once. The
-/// floor keeps the grid meaningful where the cloud is a single point.
+/// Rounds to a power-of-two grid of half to a quarter of `length`, so that differences of floats are rounded once. The
+/// floor keeps the grid meaningful if the cloud is a single point.
 double on_grid(double x, double length) {
   const double grid = std::exp2(std::floor(std::log2(std::max(length, std::abs(x) * 0x1p-24))) - 1);
   return grid > 0 ? std::round(x / grid) * grid : x;
 }
 
-/// How far float coordinates about the origin are off, all but a few strays.
+/// Rounding error of float coordinates about the origin, without a few strays.
 double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
   std::vector<double> losses(some.size());
   for (std::size_t i = 0; i < some.size(); ++i) {
@@ -62,7 +61,7 @@ double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
   return *(losses.end() - 1 - strays);
 }
 
-/// Positions that are not known, and those that are too far away: as place_positions marks them.
+/// Numbers of unknown positions and of positions too far away, as marked by place_positions.
 std::pair<std::size_t, std::size_t> count_lost(const PointSet& points) {
   using Counts = std::pair<std::size_t, std::size_t>;
   return parallel_reduce(
@@ -180,7 +179,7 @@ void finish(const Input& in, PointSet& points) {
   if (lost == n && beyond == 0) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
   if (lost == n)
     in.fail(fmt::format("holds no points that can be used: {} of {} {} farther than {:g} from zero{}", grouped(beyond),
-                        grouped(n), beyond == 1 ? "lies" : "lie", largest_coordinate,
+                        grouped(n), beyond == 1 ? "is" : "are", largest_coordinate,
                         unknown > 0 ? ", the others are not finite" : ""));
   if (lost > 0) {
     std::vector<std::uint8_t> gone(n);
@@ -190,7 +189,7 @@ void finish(const Input& in, PointSet& points) {
     if (unknown > 0)
       in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(unknown), grouped(n)));
     if (beyond > 0)
-      in.warn(fmt::format("{} of {} points lie farther than {:g} from zero and were left out", grouped(beyond),
+      in.warn(fmt::format("{} of {} points are farther than {:g} from zero and were left out", grouped(beyond),
                           grouped(n), largest_coordinate));
     if (before > points.triangles.size()) {
       in.warn(fmt::format("{} of {} triangles referred to them and were left out",
@@ -209,7 +208,7 @@ void finish(const Input& in, PointSet& points) {
             const Vec3 d(normal);
             const double length = norm(d);
             const bool good = std::isfinite(length) && length > 1e-30;
-            // A normal that is unit already stays as it is, bit by bit.
+            // Unit normals stay bitwise unchanged.
             if (!good)
               normal = {};
             else if (std::abs(length - 1) > 1e-6)

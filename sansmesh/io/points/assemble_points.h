@@ -1,4 +1,4 @@
-// From the numbers of a file to a PointSet: its origin, and what is left out of it.
+// Builds a PointSet from the numbers of a file: chooses its origin and drops unusable points.
 #pragma once
 
 #include <cmath>
@@ -13,27 +13,29 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Points with coordinates beyond this are left out as non-finite ones are: their squares would overflow a float.
+/// Limit of coordinates: points beyond it are dropped like non-finite ones, because their squares would overflow a
+/// float.
 inline constexpr double largest_coordinate = kLargestCoordinate;
 
-/// Origin of a cloud in `box`: per axis zero where coordinates are at most 4 diagonals of the box away from zero,
-/// else the centre rounded to a power-of-two grid near the size of the box, so that float coordinates stay exact.
+/// Origin of a cloud in `box`: per axis zero if coordinates are at most 4 diagonals of the box away from zero, else the
+/// centre rounded to a power-of-two grid near the size of the box, so that float coordinates stay exact.
 Vec3 choose_origin(const Box3& box);
 
-/// The same for a cloud in `box` of which some positions are given: a few strays far away from nearly all others (a
-/// line of zeros among survey coordinates) do not count. The order of `some` is changed.
+/// The same with a selection of the positions: a few strays far away from nearly all others (a line of zeros among
+/// survey coordinates) are ignored. Reorders `some`.
 Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some);
 
-/// Coordinates relative to `origin` in float keep what the file tells: of numbers that all have a few decimals half of
-/// the last one, of any others the hundredth part of a unit. Where not, an origin in the middle is tried unless the
-/// input demands one; what is lost even so is a warning. `some` positions stand for all, in world coordinates.
+/// Checks that float coordinates relative to `origin` keep the resolution of the file: half of the last decimal if all
+/// numbers have few decimals, else a hundredth of a unit. If they do not, tries an origin in the middle unless the
+/// input prescribes one; a remaining loss is a warning. `some` is a representative selection of the positions, in world
+/// coordinates.
 void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin);
 
-/// Throws FileError where points in `box` extend over less than the input's smallest extent, but over something.
+/// Throws FileError if the extent of `box` is below the input's smallest extent but not zero.
 void check_extent(const Input& in, const Box3& box);
 
-/// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, those
-/// too far away infinite, both to be removed by `finish`.
+/// Sets origin and positions from at(i) -> Vec3 (world, double). Non-finite positions become NaN, positions too far
+/// away infinite; `finish` removes both.
 template <class At>
 void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) {
   const auto usable = [](const Vec3& p) {
@@ -75,11 +77,11 @@ void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) 
 }
 
 /// Last step of every reader: checks the triangles' indices, drops points that are not finite or too far away (with a
-/// warning) and the triangles on them, makes normals unit (zero where they have no direction) and removes attributes
-/// that say nothing. Throws FileError if no points remain or an index is out of range.
+/// warning) and the triangles on them, normalises normals (zero if they have no direction) and removes attributes
+/// without information. Throws FileError if no points remain or an index is out of range.
 void finish(const Input& in, PointSet& points);
 
-/// Marks the whole cloud as one scan whose scanner stands far away in direction `towards` (unit): parallel rays.
+/// Marks the whole cloud as one scan from infinitely far away in direction `towards` (unit): parallel rays.
 void set_scanner(PointSet& points, const Vec3& towards);
 
 }  // namespace sansmesh::inline v1::io

@@ -18,8 +18,8 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Calls use(at) with at(i) -> Vec3. What `use` does is compiled once for each of the types, which are those that the
-/// three columns have in practice, and once for all others.
+/// Calls use(at) with at(i) -> Vec3. `use` is compiled once for each of `types`, the common types of three equal
+/// columns, and once for all others.
 template <NumberType... types, class Use>
 void with_triples(const Column (&c)[3], Use&& use) {
   const bool uniform = c[0].type == c[1].type && c[1].type == c[2].type && c[0].stride == c[1].stride &&
@@ -43,10 +43,10 @@ void with_triples(const Column (&c)[3], Use&& use) {
   use([&c](std::size_t i) { return Vec3{c[0][i], c[1][i], c[2][i]}; });
 }
 
-/// More arrays than any file means; a header of nothing but names must not take forever.
+/// Limit of arrays, so that a header of many names does not take too long.
 constexpr std::size_t kMostAttributes = 4096;
 
-/// The number as it is, or the nearest that T has; 0 for what is not a number where T has no such.
+/// Converts to the nearest value of T; 0 for NaN if T has none.
 template <class T>
 T nearest_value(double v) {
   if constexpr (std::is_floating_point_v<T>)
@@ -55,7 +55,7 @@ T nearest_value(double v) {
     return whole_part<T>(std::nearbyint(v));
 }
 
-/// "velocity", 2 for "velocity_2"; nothing for a name without a number, or with one that begins with 0.
+/// "velocity", 2 for "velocity_2"; empty for names without a number, or with a leading 0.
 std::optional<std::pair<std::string_view, std::size_t>> numbered(std::string_view name) {
   const std::size_t bar = name.rfind('_');
   if (bar == std::string_view::npos || bar == 0 || bar + 1 == name.size() || name.size() - bar > 6) return std::nullopt;
@@ -117,7 +117,7 @@ AttributeTable decode_attributes(const Input& in, const std::vector<NamedColumns
       break;
     }
     if (!names.insert(group.name).second) {
-      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(group.name, 80)));
+      in.warn(fmt::format("'{}' occurs twice: the second one was left out", printable(group.name, 80)));
       continue;
     }
     table.set(decode(group, n));

@@ -1,4 +1,4 @@
-// Stanford .conf: range scans and the rigid motions that bring them together.
+// Stanford .conf: range scans and the rigid motions that align them.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ struct Scan {
   PointSet points;
   ReadReport report;
   std::string error;
-  bool missing = false;  ///< there is no file of that name
+  bool missing = false;  ///< the file does not exist
 
-  /// R(q)ᵀ v: these files store the inverse of the rotation that is to be applied.
+  /// R(q)ᵀ v: these files store the inverse of the rotation to be applied.
   Vec3 rotate(const Vec3& v) const {
     const Vec3 u{-q[0], -q[1], -q[2]};  // transposed: conjugate
     const Vec3 t = cross(u, v) * 2.0;
@@ -58,11 +58,11 @@ std::vector<Scan> parse(const Input& in) {
   return scans;
 }
 
-/// Alignments name scans that were never handed out with them: what is there is read.
+/// Alignments name scans that were never published: existing ones are read.
 void leave_out_missing(const Input& in, std::vector<Scan>& scans) {
   if (std::all_of(scans.begin(), scans.end(), [](const Scan& s) { return s.missing; })) return;
   for (const Scan& s : scans)
-    if (s.missing) in.warn(fmt::format("names the scan {}, which is not there: left out", printable(s.file, 200)));
+    if (s.missing) in.warn(fmt::format("names the scan {}, which does not exist: left out", printable(s.file, 200)));
   std::erase_if(scans, [](const Scan& s) { return s.missing; });
 }
 

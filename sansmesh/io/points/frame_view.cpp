@@ -8,12 +8,12 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Fewer cells say nothing.
+/// Least number of cells for a decision.
 constexpr std::size_t kFewestCells = 64;
-/// Share of neighbouring cells that look the same way in a frame, and of cells that are the same way round seen from
-/// where it was taken: nearly all, but for noise across the rays.
+/// Share of neighbouring cells with the same orientation in a frame, and of cells with the same orientation from the
+/// viewpoint: nearly all, except for noise across the rays.
 constexpr double kOrdered = 0.8, kSeen = 0.85;
-/// Cosine below which a cell is seen edgewise.
+/// Cosine below which a cell is seen edge-on.
 constexpr double kEdgewise = 0.02;
 
 struct FrameCount {
@@ -23,7 +23,7 @@ struct FrameCount {
   FrameCount operator+(const FrameCount& o) const { return {one + o.one, other + o.other}; }
 };
 
-/// The corner (row, column) of a grid with its neighbours below and to the right.
+/// Cells of a grid: the corner (row, column) with its neighbours below and to the right.
 class FrameCells {
  public:
   FrameCells(std::span<const Vec3f> points, std::size_t width)
@@ -33,7 +33,7 @@ class FrameCells {
   std::size_t columns() const { return width_ - 1; }
   const Vec3f& at(std::size_t row, std::size_t column) const { return points_[row * width_ + column]; }
 
-  /// Normal (not unit) on the side from which rows run down and columns to the right; zero where a corner is missing.
+  /// Normal (not unit) on the side from which rows run down and columns to the right; zero if a corner is missing.
   Vec3 normal(std::size_t row, std::size_t column) const {
     const Vec3f &p = at(row, column), &down = at(row + 1, column), &right = at(row, column + 1);
     if (!is_finite(p) || !is_finite(down) || !is_finite(right)) return {};
@@ -93,11 +93,11 @@ std::optional<FrameView> measure_frame(std::span<const Vec3f> points, std::size_
   parallel_for(0, cells.rows() + 1, 16, [&](std::size_t r) {
     for (std::size_t c = 0; c < width; ++c) {
       if (!is_finite(cells.at(r, c))) continue;
-      // Cells across a jump are large and see hardly anything: the small ones count.
+      // Cells across a depth jump are large and unreliable: small cells have more weight.
       Vec3 sum;
       for (const std::size_t row : {r, r - 1})
         for (const std::size_t column : {c, c - 1}) {
-          if (row >= cells.rows() || column >= cells.columns()) continue;  // -1, too
+          if (row >= cells.rows() || column >= cells.columns()) continue;  // also for -1, which is large as unsigned
           const Vec3 normal = cells.normal(row, column);
           const double area = norm(normal);
           if (!(area > 0)) continue;

@@ -1,4 +1,4 @@
-// What rows and columns of points tell: the side from which they were seen.
+// Recovers the viewing side of scans stored in rows and columns.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,18 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Of points in rows and columns.
+/// View of a scan in rows and columns.
 struct FrameView {
-  /// Unit normals of the grid, on the side from which it was seen; zero where it has no point on either side.
+  /// Unit normals of the grid on the visible side; zero at points without a complete cell around them.
   std::vector<Vec3f> normals;
-  /// Whether the frame can have been seen from its viewpoint: then nothing in it is the wrong way round.
+  /// Whether the viewpoint is consistent with the frame: no part of it faces away.
   bool seen_from_eye = false;
 };
 
-/// Of points that follow row by row, `width` in each; those that are not finite are not there. The side is that of the
-/// viewpoint `eye`, or, where there is none or the frame cannot have been seen from there, the one from which rows run
-/// from top to bottom and columns from left to right, as in a picture. Nothing where the points are in no order, so
-/// that neither tells anything.
+/// Measures points stored row by row, `width` per row; non-finite points are absent. The visible side is that of the
+/// viewpoint `eye`. If there is none or it is inconsistent with the frame, it is the side from which rows run from top
+/// to bottom and columns from left to right, as in a picture. Empty if the points have no order, so that neither is
+/// known.
 std::optional<FrameView> measure_frame(std::span<const Vec3f> points, std::size_t width,
                                        const std::optional<Vec3f>& eye);
 

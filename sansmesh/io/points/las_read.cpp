@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Where a point format keeps red, green and blue (16 bits each); 0 = it has none.
+/// Offset of red, green and blue (16 bits each) in a point format; 0 = none.
 constexpr std::size_t las_colors(unsigned format) {
   switch (format) {
     case 2:
@@ -29,7 +29,7 @@ constexpr std::size_t las_colors(unsigned format) {
   }
 }
 
-/// The records of a file as their format lays them out: formats 0 to 5 in one way, 6 to 10 in another.
+/// Records of points: formats 0 to 5 share one layout, 6 to 10 another.
 struct LasRecords {
   const char* first;
   std::size_t stride, count;
@@ -42,7 +42,7 @@ struct LasRecords {
     return load<T>(first + i * stride + offset);
   }
   std::uint8_t byte(std::size_t i, std::size_t offset) const { return at<std::uint8_t>(i, offset); }
-  /// Synthetic, key point, withheld, overlap: from bit 0 on. Formats 0 to 5 have no overlap but a class for it.
+  /// Synthetic, key point, withheld, overlap: from bit 0 on. Formats 0 to 5 have no overlap bit but a class for it.
   std::uint8_t flags(std::size_t i) const {
     return static_cast<std::uint8_t>(wide() ? byte(i, 15) & 15 : byte(i, 15) >> 5);
   }
@@ -57,7 +57,7 @@ void add_unless_zero(AttributeTable& table, const char* name, std::size_t n, Get
   if (std::any_of(values.begin(), values.end(), [](T v) { return v != T(0); })) table.set(name, std::move(values));
 }
 
-/// What io.h says of LAS.
+/// Attributes of the records as documented in io.h.
 AttributeTable las_attributes(const LasRecords& r) {
   using u8 = std::uint8_t;
   using u16 = std::uint16_t;
@@ -82,8 +82,7 @@ AttributeTable las_attributes(const LasRecords& r) {
   else
     add_unless_zero<float>(table, "scan_angle", n,
                            [&](std::size_t i) { return static_cast<float>(r.at<std::int8_t>(i, 16)); });
-  // LAS 1.0 had a "file marker", the number of a flight line among those merged, and let users have the two bytes
-  // after it.
+  // LAS 1.0 had a "file marker", the number of a flight line in a merged file, followed by two bytes for users.
   if (r.first_version)
     add_unless_zero<u16>(table, "point_source_id", n, [&](std::size_t i) { return u16{r.byte(i, 17)}; });
   else
@@ -96,15 +95,15 @@ AttributeTable las_attributes(const LasRecords& r) {
   return table;
 }
 
-/// Numbers that follow those of the point format in each record.
+/// Numbers after those of the point format in each record.
 struct LasExtra {
-  NamedColumns columns;       ///< of the first record
-  std::vector<Vec3> scaling;  ///< number of the file · x + y, a component each; empty if the numbers count as they are
+  NamedColumns columns;       ///< columns of the first record
+  std::vector<Vec3> scaling;  ///< (scale, offset) per component; empty if the numbers are unscaled
 };
 
-/// What the header's records of user "LASF_Spec" and number 4 say of the bytes from `first` on in each record of
-/// points: descriptions of 192 bytes (LAS 1.4, "extra bytes"; writers of older versions have adopted them). The
-/// header's records lie in [at, begin). Damage ends the list: the points themselves do not depend on it.
+/// Descriptions of the bytes from `first` on in each record of points, from the header's records of user "LASF_Spec"
+/// and number 4: 192 bytes each (LAS 1.4, "extra bytes"; writers of older versions have adopted them). The header's
+/// records are in [at, begin). Damage ends the list: the points do not depend on it.
 std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r,
                                   std::size_t first) {
   constexpr std::size_t kHead = 54, kDescription = 192;
@@ -123,7 +122,7 @@ std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t b
     for (; description + kDescription <= at; description += kDescription) {
       const char* const d = data + description;
       const unsigned type = load<std::uint8_t>(d + 2), options = load<std::uint8_t>(d + 3);
-      if (type == 0) {  // bytes without a meaning
+      if (type == 0) {  // undocumented bytes
         first += options;
         continue;
       }
@@ -134,7 +133,7 @@ std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t b
       extra.columns.type = types[(type - 1) % 10];
       const std::size_t components = 1 + (type - 1) / 10, bytes = size_of(extra.columns.type);
       if (first + components * bytes > r.stride) {
-        in.warn("describes more numbers than its records of points have room for: they were left out");
+        in.warn("describes more numbers than fit into its point records: they were left out");
         return extras;
       }
       for (std::size_t k = 0; k < components; ++k, first += bytes) {
@@ -149,7 +148,7 @@ std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t b
   return extras;
 }
 
-/// Adds those that are not 0 everywhere, and none of the name of what is there already.
+/// Adds extras that are not 0 everywhere, without duplicate names.
 void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_t n, AttributeTable& table) {
   std::vector<NamedColumns> plain;
   plain.reserve(extras.size());
@@ -160,7 +159,7 @@ void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_
         a.values);
     if (zero) continue;
     if (table.find(a.name)) {
-      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(a.name, 80)));
+      in.warn(fmt::format("'{}' occurs twice: the second one was left out", printable(a.name, 80)));
       continue;
     }
     const auto of =
@@ -178,18 +177,18 @@ void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_
   }
 }
 
-/// What colours of 16 bits say.
+/// Interpretation of 16-bit colours.
 enum class ColorDepth {
-  bytes,       ///< no more than 255, as some writers have it
-  high_bytes,  ///< bytes times 256 or 257: the upper byte says all
+  bytes,       ///< at most 255, as some writers store them
+  high_bytes,  ///< bytes times 256 or 257: the upper byte is the value
   words,
 };
 
 ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
   struct Seen {
     unsigned low = 0;     // bits of lower bytes
-    bool uneven = false;  // some lower byte is not the upper one
-    bool beyond = false;  // some is above 255
+    bool uneven = false;  // some lower byte differs from the upper one
+    bool beyond = false;  // some value exceeds 255
   };
   const Seen seen = parallel_reduce(
       r.count, 1 << 15, Seen{},
@@ -210,8 +209,8 @@ ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
   return seen.low == 0 || !seen.uneven ? ColorDepth::high_bytes : ColorDepth::words;
 }
 
-/// What has no place in a cloud: of the header's records in [at, begin), and of the bits of points.
-void tell_unread_of_las(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r) {
+/// Reports data that a cloud cannot hold: of the header's records in [at, begin), and of the bits of points.
+void report_skipped_of_las(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r) {
   constexpr std::size_t kHead = 54;
   const char* const data = in.bytes.data();
   for (std::uint32_t left = load<std::uint32_t>(data + 100); left > 0 && at + kHead <= begin; --left) {
@@ -231,15 +230,14 @@ void tell_unread_of_las(const Input& in, std::size_t at, std::size_t begin, cons
   if (flags & 2) in.unread("flags of key points");
 }
 
-/// Points that the file marks as no longer part of it.
+/// Removes points that the file marks as withheld.
 void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) {
   std::vector<std::uint8_t> withheld(r.count);
   parallel_for(0, r.count, 1 << 15,
                [&](std::size_t i) { withheld[i] = static_cast<std::uint8_t>((r.flags(i) & kWithheld) != 0); });
   const auto lost = static_cast<std::size_t>(std::count(withheld.begin(), withheld.end(), std::uint8_t{1}));
   if (lost == 0) return;
-  if (lost == r.count)
-    in.fail(fmt::format("holds no points that count: all {} are flagged as withheld", grouped(lost)));
+  if (lost == r.count) in.fail(fmt::format("holds no valid points: all {} are flagged as withheld", grouped(lost)));
   remove_samples(points, withheld);
   in.warn(fmt::format("{} of {} points are flagged as withheld and were left out", grouped(lost), grouped(r.count)));
 }
@@ -305,7 +303,7 @@ PointSet read_las(const Input& in) {
   points.attributes = las_attributes(records);
   const std::size_t header = load<std::uint16_t>(data + 94);
   add_extras(in, find_extras(in, header, begin, records, least_record[format_byte]), n, points.attributes);
-  tell_unread_of_las(in, header, begin, records);
+  report_skipped_of_las(in, header, begin, records);
   if (depth == ColorDepth::words) in.unread("the lower 8 of the 16 bits of colours");
   leave_out_withheld(in, records, points);
   finish(in, points);

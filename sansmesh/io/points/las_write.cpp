@@ -1,5 +1,5 @@
-// LAS output: version 1.2 where its point formats hold everything, else 1.4; what has no place of its own in a record
-// becomes "extra bytes", which the header describes.
+// LAS output: version 1.2 if its point formats hold everything, else 1.4. Attributes without a field in a record become
+// "extra bytes", which the header describes.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// The attributes that have a place of their own in a record; null where there are none, or where they do not fit.
+/// Attributes with a field in the record; null if they are missing or do not fit.
 struct LasFields {
   const Attribute *intensity, *return_number, *returns, *classification, *synthetic, *overlap, *scan_angle, *source,
       *user_data, *time, *infrared;
@@ -22,7 +22,7 @@ struct LasFields {
   }
 };
 
-/// The attribute of that name if it is whole numbers of 0..most.
+/// The attribute of that name if it consists of integers in 0..most.
 const Attribute* whole_attribute(const AttributeTable& table, const char* name, double most) {
   const Attribute* const a = table.find(name);
   if (!a || a->components != 1 || is_real(a->type())) return nullptr;
@@ -31,9 +31,9 @@ const Attribute* whole_attribute(const AttributeTable& table, const char* name, 
   return a;
 }
 
-constexpr double kAngleStep = 0.006;  // degrees, of the formats from 6 on
+constexpr double kAngleStep = 0.006;  // degrees, of formats from 6 on
 
-/// Angles come back as they are: whole degrees in the older formats, multiples of the step in the others.
+/// Angles must be exactly representable: whole degrees in the older formats, multiples of the step in the others.
 const Attribute* angle_attribute(const AttributeTable& table, bool wide) {
   const Attribute* const a = table.find("scan_angle");
   if (!a || a->components != 1) return nullptr;
@@ -62,7 +62,7 @@ LasFields las_fields(const AttributeTable& table, bool wide) {
           .infrared = wide ? whole("near_infrared", 65535) : nullptr};
 }
 
-/// Whether the older point formats have a place for whatever the newer ones have one for.
+/// Whether the older point formats have fields for the same attributes as the newer ones.
 bool older_do(const AttributeTable& table) {
   const auto older = las_fields(table, false).all(), newer = las_fields(table, true).all();
   for (std::size_t k = 0; k < older.size(); ++k)
@@ -70,7 +70,7 @@ bool older_do(const AttributeTable& table) {
   return true;
 }
 
-/// One number, or up to three, after those of the point format.
+/// One to three numbers after those of the point format.
 struct ExtraBytes {
   const Attribute* attribute;
   std::size_t first, components;
@@ -91,7 +91,7 @@ std::vector<ExtraBytes> extra_bytes(const AttributeTable& table, const LasFields
   return extras;
 }
 
-/// 10 to a whole power.
+/// 10 to an integer power.
 double power_of_ten(int power) {
   const std::string text = "1e" + std::to_string(power);
   double value = 0;
@@ -99,19 +99,19 @@ double power_of_ten(int power) {
   return value;
 }
 
-/// What the 32 bits of a coordinate count.
+/// Scale and offset of the 32-bit coordinates.
 struct LasScale {
   Vec3 offset;
   double step = 0.001;
-  Box3 box;  ///< of what is written
+  Box3 box;  ///< box of the written points
 };
 
-/// A decimal step that no float of the cloud can tell from nothing: less than a quarter of what separates those at its
-/// edge. 2^31 steps then reach far beyond the cloud.
+/// A decimal step below the resolution of the cloud's floats: less than a quarter of the difference of adjacent floats
+/// at its edge. 2^31 steps then reach far beyond the cloud.
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
-    if (!is_finite(p)) throw ArgumentError("LAS has no place for positions that are not finite");
+    if (!is_finite(p)) throw ArgumentError("LAS cannot hold positions that are not finite");
     s.box.extend(points.origin + Vec3(p));
   }
   if (s.box.empty()) return s;
@@ -163,48 +163,63 @@ std::string describe_extras(const std::vector<ExtraBytes>& extras) {
 
 constexpr std::size_t kBytesOfFormat[] = {20, 28, 26, 34, 57, 63, 30, 36, 38};
 
-}  // namespace
+/// Format of the records and their contents.
+struct LasLayout {
+  bool wide = false, colors = false;  ///< `wide`: LAS 1.4
+  unsigned format = 0;
+  std::size_t record = 0;  ///< bytes
+  LasFields fields;
+  std::vector<ExtraBytes> extras;
+  LasScale scale;
+};
 
-std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions&) {
-  const std::size_t n = points.size();
-  const bool wide = !older_do(points.attributes), colors = points.has_colors();
-  const LasFields f = las_fields(points.attributes, wide);
-  const std::vector<ExtraBytes> extras = extra_bytes(points.attributes, f);
-  const unsigned format = wide ? (f.infrared ? 8 : colors ? 7 : 6) : (f.time ? 1u : 0u) + (colors ? 2u : 0u);
-  std::size_t record = kBytesOfFormat[format];
-  for (const ExtraBytes& e : extras) record += e.components * size_of(e.attribute->type());
-  if (record > 0xffff)
-    throw ArgumentError("LAS holds at most 65,535 bytes of a point, not " + grouped(record) + "; write a PLY file");
-  const LasScale scale = las_scale(points);
+LasLayout las_layout(const PointSet& points) {
+  LasLayout l;
+  l.wide = !older_do(points.attributes), l.colors = points.has_colors();
+  l.fields = las_fields(points.attributes, l.wide);
+  l.extras = extra_bytes(points.attributes, l.fields);
+  const unsigned colors = l.colors ? 2 : 0;
+  l.format = l.wide ? (l.fields.infrared ? 8 : l.colors ? 7 : 6) : (l.fields.time ? 1u : 0u) + colors;
+  l.record = kBytesOfFormat[l.format];
+  for (const ExtraBytes& e : l.extras) l.record += e.components * size_of(e.attribute->type());
+  if (l.record > 0xffff)
+    throw ArgumentError("LAS holds at most 65,535 bytes of a point, not " + grouped(l.record) + "; write a PLY file");
+  l.scale = las_scale(points);
+  return l;
+}
 
-  std::string header(wide ? 375 : 227, '\0');
-  const std::string described = describe_extras(extras);
+/// The header with the descriptions of extra bytes.
+std::string las_header(const LasLayout& l, std::size_t n) {
+  const LasFields& f = l.fields;
+  const LasScale& scale = l.scale;
+  std::string header(l.wide ? 375 : 227, '\0');
+  const std::string described = describe_extras(l.extras);
   header.replace(0, 4, "LASF");
-  header[24] = 1, header[25] = wide ? 4 : 2;
+  header[24] = 1, header[25] = l.wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
-  // Times outside of a week are not of the week: adjusted ones, which are negative before September 2011.
+  // Times outside of a week are adjusted standard times, which are negative before September 2011.
   bool beyond = false;
   for (std::size_t i = 0; f.time && i < n; ++i) beyond |= !(f.time->number(i) >= 0 && f.time->number(i) <= 7 * 86400);
-  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (wide ? 16 : 0)));
+  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (l.wide ? 16 : 0)));
   put_at(header, 94, static_cast<std::uint16_t>(header.size()));
   put_at(header, 96, static_cast<std::uint32_t>(header.size() + described.size()));
-  put_at(header, 100, static_cast<std::uint32_t>((extras.size() + kMostDescribed - 1) / kMostDescribed));
-  header[104] = static_cast<char>(format);
-  put_at(header, 105, static_cast<std::uint16_t>(record));
+  put_at(header, 100, static_cast<std::uint32_t>((l.extras.size() + kMostDescribed - 1) / kMostDescribed));
+  header[104] = static_cast<char>(l.format);
+  put_at(header, 105, static_cast<std::uint16_t>(l.record));
   std::array<std::uint64_t, 16> of_return{};
   for (std::size_t i = 0; i < n; ++i) ++of_return[value_of<std::size_t>(f.return_number, i) & 15];
-  if (wide)
+  if (l.wide)
     put_at(header, 247, std::uint64_t{n});
   else
     put_at(header, 107, static_cast<std::uint32_t>(n));
-  for (std::size_t k = 1; k <= (wide ? 15u : 5u); ++k) {
-    if (wide)
+  for (std::size_t k = 1; k <= (l.wide ? 15u : 5u); ++k) {
+    if (l.wide)
       put_at(header, 255 + 8 * (k - 1), of_return[k]);
     else
       put_at(header, 111 + 4 * (k - 1), static_cast<std::uint32_t>(of_return[k]));
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    // Of what the records say, which is rounded: no point may lie outside.
+    // From the rounded coordinates in the records: no point may be outside.
     const auto recorded = [&](double x) {
       return static_cast<double>(std::llround((x - scale.offset[k]) / scale.step)) * scale.step + scale.offset[k];
     };
@@ -212,18 +227,25 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
     put_at(header, 179 + 16 * k, n > 0 ? recorded(scale.box.upper[k]) : 0);
     put_at(header, 187 + 16 * k, n > 0 ? recorded(scale.box.lower[k]) : 0);
   }
+  return header + described;
+}
 
-  std::vector<std::string> parts{header + described};
-  append_rows(parts, n, record, [&](std::size_t i, char* p) {
+}  // namespace
+
+std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions&) {
+  const LasLayout l = las_layout(points);
+  const LasFields& f = l.fields;
+  std::vector<std::string> parts{las_header(l, points.size())};
+  append_rows(parts, points.size(), l.record, [&](std::size_t i, char* p) {
     const Vec3 x = points.origin + Vec3(points.positions[i]);
     for (std::size_t k = 0; k < 3; ++k)
-      p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - scale.offset[k]) / scale.step)));
+      p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - l.scale.offset[k]) / l.scale.step)));
     p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
     const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
     const auto flags = value_of<unsigned>(f.synthetic, i);
     const auto category = value_of<unsigned>(f.classification, i);
     const auto byte = [&](unsigned value) { p = put_bytes(p, static_cast<std::uint8_t>(value)); };
-    if (wide) {
+    if (l.wide) {
       byte(number | returns << 4), byte(flags | value_of<unsigned>(f.overlap, i) << 3), byte(category);
       byte(value_of<unsigned>(f.user_data, i));
       p = put_bytes(p, static_cast<std::int16_t>(std::lround(value_of<double>(f.scan_angle, i) / kAngleStep)));
@@ -233,11 +255,11 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
       byte(value_of<unsigned>(f.user_data, i));
     }
     p = put_bytes(p, value_of<std::uint16_t>(f.source, i));
-    if (wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
-    for (std::size_t k = 0; format != 6 && (colors || wide) && k < 3; ++k)
-      p = put_bytes(p, static_cast<std::uint16_t>(colors ? 257 * points.colors[i][k] : 0));
+    if (l.wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
+    for (std::size_t k = 0; l.format != 6 && (l.colors || l.wide) && k < 3; ++k)
+      p = put_bytes(p, static_cast<std::uint16_t>(l.colors ? 257 * points.colors[i][k] : 0));
     if (f.infrared) p = put_bytes(p, value_of<std::uint16_t>(f.infrared, i));
-    for (const ExtraBytes& e : extras)
+    for (const ExtraBytes& e : l.extras)
       std::visit(
           [&](const auto& values) {
             for (std::size_t c = 0; c < e.components; ++c)

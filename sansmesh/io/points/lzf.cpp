@@ -4,8 +4,8 @@
 
 namespace sansmesh::inline v1::io {
 
-// A control byte below 32 announces that many + 1 literal bytes. Above, its upper three bits are the length of a copy
-// minus 2 (7: another byte adds to it), its lower five and the next byte the distance back minus 1.
+// A control byte below 32 announces that many + 1 literal bytes. Otherwise, its upper three bits are the length of a
+// copy minus 2 (7: another byte is added to it), its lower five and the next byte the distance back minus 1.
 bool lzf_decompress(std::string_view packed, std::span<char> out) {
   const auto* p = reinterpret_cast<const unsigned char*>(packed.data());
   const auto* const end = p + packed.size();

@@ -1,4 +1,4 @@
-// LZF, the light compression inside PCD files.
+// LZF, the fast compression inside PCD files.
 #pragma once
 
 #include <span>
@@ -6,7 +6,7 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Unpacks `packed` into exactly `out`; false if the data is damaged or does not fill it.
+/// Decompresses `packed` into exactly `out`; false if the data are damaged or do not fill it.
 bool lzf_decompress(std::string_view packed, std::span<char> out);
 
 }  // namespace sansmesh::inline v1::io

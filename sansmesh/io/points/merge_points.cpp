@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// One array of all parts; each part's is given back as soon as it is copied.
+/// Joins one array of all parts; each part's is freed as soon as it is copied.
 template <class T>
 void append_arrays(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, std::size_t total,
                    std::vector<T>& out) {
@@ -20,7 +20,7 @@ void append_arrays(std::vector<PointSet>& parts, std::vector<T> PointSet::*array
   }
 }
 
-/// The same where only parts may have it: then nobody gets it, and a warning says so.
+/// The same for arrays that only some parts have: the result has none, and a warning reports it.
 template <class T>
 void append_if_all(const std::vector<std::string>& files, std::vector<PointSet>& parts, std::vector<T> PointSet::*array,
                    std::size_t total, const char* what, PointSet& all, ReadReport& report) {
@@ -32,7 +32,7 @@ void append_if_all(const std::vector<std::string>& files, std::vector<PointSet>&
                               what + ": those of the other files were left out");
 }
 
-/// The same where those of the other parts are unknown.
+/// The same with unknown values for parts without the array.
 template <class T>
 void append_if_any(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, const std::vector<std::size_t>& sizes,
                    std::size_t total, const T& unknown, PointSet& all) {
@@ -42,14 +42,14 @@ void append_if_any(std::vector<PointSet>& parts, std::vector<T> PointSet::*array
   append_arrays(parts, array, total, all.*array);
 }
 
-/// Scans are numbered within their files; a file that has none is one itself, seen from nobody knows where, and has its
-/// number after all those that have their positions.
+/// Scans are numbered per file. A file without scans counts as one scan with an unknown viewpoint; its number follows
+/// those of all scans with viewpoints.
 void number_scans(const std::vector<std::string>& files, const std::vector<std::size_t>& points,
                   std::vector<PointSet>& parts, PointSet& all, ReadReport& report) {
   std::size_t scanners = 0, others = 0;
   for (const PointSet& part : parts) scanners += part.scanners.size(), others += part.scan_of_point.empty();
   if (scanners + others >= PointSet::kUnknownScan) {
-    report.warnings.push_back("more than 65,534 scans: which sample is of which was left out");
+    report.warnings.push_back("more than 65,534 scans: the scan numbers of the samples were left out");
     for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
     return;
   }
@@ -71,7 +71,7 @@ void number_scans(const std::vector<std::string>& files, const std::vector<std::
   }
 }
 
-/// The tables of all parts as one. Warns of what has one name and several types.
+/// Joins the tables of all parts. Warns of attributes with one name and several types.
 AttributeTable join(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
                     AttributeTable PointSet::*table, const std::vector<std::size_t>& rows, ReadReport& report) {
   std::vector<const AttributeTable*> tables(parts.size());
@@ -102,7 +102,7 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
   all.attributes = join(files, parts, &PointSet::attributes, points, report);
   all.triangle_attributes = join(files, parts, &PointSet::triangle_attributes, triangles, report);
   number_scans(files, points, parts, all, report);
-  std::uint32_t first = 0;  // triangles are numbered within their files, too
+  std::uint32_t first = 0;  // triangles are numbered per file, too
   for (PointSet& part : parts) {
     part.attributes.clear(), part.triangle_attributes.clear();
     for (auto& t : part.triangles)

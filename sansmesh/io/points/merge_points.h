@@ -1,4 +1,4 @@
-// Several clouds as one.
+// Merges several clouds.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace sansmesh::inline v1::io {
 
-/// The clouds of several files, one after the other; all of them have the same origin and are there for the taking.
-/// See read_merged. Remarks name the files and go to the report. Throws FileError where they are too many points.
+/// Joins the clouds of several files in order. All have the same origin and are consumed. See read_merged. Remarks name
+/// the files and are added to the report. Throws FileError if there are too many points.
 PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report);
 
 }  // namespace sansmesh::inline v1::io

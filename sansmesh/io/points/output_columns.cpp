@@ -32,7 +32,7 @@ std::vector<OutputColumn> output_columns(const AttributeTable& table, const std:
   std::vector<OutputColumn> columns;
   for (const Attribute& a : table) {
     const std::string word = one_word(a.name);
-    // All components get the same number, so that they are one attribute again when they are read.
+    // All components receive the same number, so that they are one attribute when read again.
     const auto name = [&](const std::string& base, std::size_t c) {
       return a.components == 1 ? base : base + "_" + std::to_string(c);
     };

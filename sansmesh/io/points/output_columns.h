@@ -1,4 +1,4 @@
-// Attributes as columns of one number each: how formats of rows hold them.
+// Splits attributes into columns of one number each, for formats of rows.
 #pragma once
 
 #include <initializer_list>
@@ -12,7 +12,7 @@ namespace sansmesh::inline v1::io {
 
 /// One component of an attribute.
 struct OutputColumn {
-  std::string name;  ///< one word, no two alike in either case
+  std::string name;  ///< one word, unique regardless of case
   const Attribute* attribute = nullptr;
   std::size_t component = 0;
 
@@ -23,14 +23,14 @@ struct OutputColumn {
   char* put_bytes(char* p, std::size_t row) const;
 };
 
-/// A name as one word for a header of words: blanks, separators and quotes become '_'.
+/// A name as one word for headers: blanks, separators and quotes become '_'.
 std::string one_word(std::string_view name);
 
-/// The columns of a table, components one after the other as name_0, name_1, … Names become single words, and get a
-/// number where another column has them; `taken`: names of the columns before (in lower case).
+/// The columns of a table; components are adjacent as name_0, name_1, … Names become single words and receive a number
+/// if another column or one of `taken` (in lower case) has the same.
 std::vector<OutputColumn> output_columns(const AttributeTable& table, const std::vector<std::string>& taken = {});
 
-/// Bytes that one row takes.
+/// Bytes of one row.
 std::size_t row_bytes(const std::vector<OutputColumn>& columns);
 
 }  // namespace sansmesh::inline v1::io

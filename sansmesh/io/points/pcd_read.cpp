@@ -158,8 +158,8 @@ void unpack_colors(PointSet& points, std::size_t n, At&& at) {
   });
 }
 
-/// Decodes positions, normals, colours and attributes; column(field) gives the Column of its first number. `text`: they
-/// are cells.
+/// Decodes positions, normals, colours and attributes; column(field) returns the Column of its first number. `text`:
+/// the columns hold cells.
 template <class MakeColumn>
 void decode_fields(const Input& in, const PcdHeader& h, bool text, PointSet& points, MakeColumn&& column) {
   const std::size_t n = static_cast<std::size_t>(h.points);
@@ -186,7 +186,7 @@ void decode_fields(const Input& in, const PcdHeader& h, bool text, PointSet& poi
   const Field* const rgb = h.find({"rgb", "rgba"});
   for (const Field& f : h.fields) {
     const auto type = f.known_type();
-    // "_" is padding. More numbers a point than this are histograms, descriptors and the like.
+    // "_" is padding. Fields with more numbers per point are histograms and descriptors.
     if (!type || &f == rgb || f.name == "_" || f.count > 64 || std::find(used.begin(), used.end(), &f) != used.end())
       continue;
     NamedColumns named{f.given, *type, {}};
@@ -218,7 +218,7 @@ void read_records(const Input& in, const PcdHeader& h, PointSet& points) {
   } else {
     refuse_too_many(in, h, h.record, h.body.size());
   }
-  // Compressed data holds one field after the other, plain data one record after the other.
+  // Compressed data hold one field after the other, plain data one record after the other.
   const auto column = [&](const Field& f) {
     return by_field ? Column{base + f.offset * n, f.size * f.count, f.type(in), false}
                     : Column{base + f.offset, h.record, f.type(in), false};
@@ -236,7 +236,7 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   const Field* const rgb = h.find({"rgb", "rgba"});
   std::vector<double> table(n * h.words);
   std::vector<std::uint32_t> packed(rgb ? n : 0);
-  std::vector<NumberType> types;  // of each word
+  std::vector<NumberType> types;  // type of each word
   for (const Field& f : h.fields) types.insert(types.end(), f.count, f.known_type().value_or(NumberType::f64));
   TextScanner text(h.body);
   for (std::size_t i = 0; i < n; ++i) {
@@ -252,7 +252,7 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
         in.fail(fmt::format("malformed PCD: '{}' in point {} is not a number", word.substr(0, 40), grouped(i + 1)));
       }
       if (rgb && k == rgb->first) {
-        // Text shows the packed colour as a whole number, or as the float that has its bits.
+        // Text shows the packed colour as an integer, or as the float with its bits.
         const double value = cell_number(table[i * h.words + k], types[k]);
         const bool whole = rgb->kind != 'F' || word.find_first_not_of("0123456789") == std::string_view::npos;
         packed[i] = whole ? static_cast<std::uint32_t>(value >= 0 ? std::min(value, 4294967295.0) : 0.0)
@@ -268,8 +268,8 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   if (rgb) unpack_colors(points, n, [&](std::size_t i) { return packed[i]; });
 }
 
-/// An organised cloud is one frame of a camera, which saw all of it from the viewpoint. Of other clouds the viewpoint
-/// is known only if it is not the one that every header has.
+/// An organised cloud is one frame of a camera at the viewpoint. For other clouds the viewpoint is known only if it is
+/// not the default of all headers.
 void find_viewer(const Input& in, const PcdHeader& h, PointSet& points) {
   const Vec3 eye{h.viewpoint[0], h.viewpoint[1], h.viewpoint[2]};
   bool known = is_finite(Vec3f(eye - points.origin));

@@ -1,4 +1,4 @@
-// PCD output, binary or ascii; colours packed into one float field as that format's own library does.
+// PCD output, binary or ascii; colours packed into one float field as in the Point Cloud Library.
 #include <fmt/core.h>
 
 #include <bit>

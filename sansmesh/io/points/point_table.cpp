@@ -24,7 +24,7 @@ bool is_table(const std::string& file) {
   return std::find(std::begin(endings), std::end(endings), io::ending(file)) != std::end(endings);
 }
 
-/// A number, NaN where nothing stands; nothing for other words.
+/// A number, NaN for empty fields; empty for other words.
 std::optional<double> number_of(std::string_view word) {
   double value = std::numeric_limits<double>::quiet_NaN();
   if (word.empty()) return value;
@@ -35,7 +35,7 @@ std::optional<double> number_of(std::string_view word) {
 
 struct Row {
   std::vector<double> numbers;
-  bool all = true;  ///< every word is one
+  bool all = true;  ///< every word is a number
 };
 
 Row row_of(std::string_view line, char separator) {

@@ -1,4 +1,4 @@
-// Places to look at, one a row of a file: in their order, in double precision, none left out.
+// Reads query points from files: in order, in double precision, complete.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// The positions of a table of text (.csv, .txt, .xyz: columns named x, y and z, or the first three), or of any file of
-/// points that read_points knows. In tables `nan` and empty fields are NaN. Throws FileError where the file is missing,
-/// holds no rows, or a row is not one of numbers (with its line).
+/// The positions of a text table (.csv, .txt, .xyz: columns named x, y and z, or the first three), or of any file of
+/// points that read_points reads. In tables `nan` and empty fields are NaN. Throws FileError if the file is missing,
+/// has no rows, or a row is not numeric (with its line).
 std::vector<Vec3> read_point_table(const std::string& file);
-/// The same of the text of a table; `file` is named in errors.
+/// The same from the text of a table; errors name `file`.
 std::vector<Vec3> parse_point_table(std::string_view text, const std::string& file);
 
 }  // namespace sansmesh::inline v1

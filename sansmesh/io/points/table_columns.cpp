@@ -44,7 +44,7 @@ std::optional<ColumnMeaning> meaning_of_names(std::string_view line) {
     }
   }
   if (!m.has(0)) return std::nullopt;
-  // Two components of a normal are no normal: numbers like others.
+  // Two components of a normal are ordinary numbers.
   for (const int first : {3, 6}) {
     if (!m.has(first)) std::fill(m.column + first, m.column + first + 3, no_column);
   }
@@ -85,8 +85,8 @@ ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bo
     m.set(3, 3);
     if (color(6)) m.set(6, 6);
   } else if (columns == 7 && color(4) && !(color(3) && opaque(6))) {
-    // x y z intensity r g b (PTS). With whole intensities of 0..255 it could as well be r g b intensity, which is by
-    // far the rarer; a last column of nothing but 255 is the opacity of r g b a.
+    // x y z intensity r g b (PTS). With integer intensities of 0..255 it could also be r g b intensity, which is much
+    // rarer; a last column of only 255 is the opacity of r g b a.
     m.set(6, 4);
   } else if (color(3)) {
     m.set(6, 3);

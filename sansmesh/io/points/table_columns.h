@@ -1,4 +1,4 @@
-// What the columns of a table of text mean.
+// Meaning of the columns of a text table.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace sansmesh::inline v1::io {
 
 inline constexpr int no_column = -1;
 
-/// Columns of the meanings, in the order x y z, nx ny nz, red green blue.
+/// Columns in the order x y z, nx ny nz, red green blue.
 struct ColumnMeaning {
   static constexpr int kinds = 9;
   int column[kinds] = {no_column, no_column, no_column, no_column, no_column,
@@ -28,7 +28,7 @@ struct ColumnMeaning {
   }
 };
 
-/// One row, field by field. With ' ' as separator, runs of blanks separate; otherwise every separator does.
+/// Iterates over the fields of a row. With ' ' as separator, runs of blanks separate; otherwise every separator does.
 class TableRow {
  public:
   TableRow(std::string_view line, char separator) : scan_(line), separator_(separator) {}
@@ -61,11 +61,11 @@ class TableRow {
 /// ';', ',' or ' ' (any blanks).
 char guess_separator(std::string_view line);
 
-/// The meaning that a line of names gives, if it names x, y and z.
+/// The meaning of a line of names if it names x, y and z.
 std::optional<ColumnMeaning> meaning_of_names(std::string_view line);
 
-/// What the columns of a file without names mean, from its first rows (at least one; all of the same length).
-/// `normals_by_ending`: the file's ending says that normals follow the positions.
+/// Guesses the columns of a file without names from its first rows (at least one; all of the same length).
+/// `normals_by_ending`: the file's ending shows that normals follow the positions.
 ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending);
 
 }  // namespace sansmesh::inline v1::io

@@ -1,4 +1,4 @@
-// Points as rows of text: XYZ, TXT, CSV, ASC, PTS, PWN. What the columns mean follows from a header, if there is one,
+// Points as rows of text: XYZ, TXT, CSV, ASC, PTS, PWN. The meaning of columns follows from a header, if there is one,
 // else from their number and values.
 #include <fmt/core.h>
 
@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Leaves `value` alone unless the whole word is a number: 2020-01-02 is not 2020.
+/// Leaves `value` unchanged unless the whole word is a number: 2020-01-02 is not 2020.
 bool parse(std::string_view word, double& value) {
   TextScanner s(word);
   double found = 0;
@@ -39,7 +39,7 @@ bool is_blank_line(std::string_view line) {
 
 constexpr std::size_t most_columns = 256;
 
-/// Numbers of the fields of a line, NaN for the others; `bad` counts fields that are neither a number nor empty.
+/// Numbers of the fields of a line, NaN for others; `bad` counts fields that are neither a number nor empty.
 std::vector<double> numbers_of(std::string_view line, char separator, std::size_t& bad) {
   std::vector<double> values;
   TableRow row(line, separator);
@@ -51,7 +51,7 @@ std::vector<double> numbers_of(std::string_view line, char separator, std::size_
   return values;
 }
 
-/// What comes before the rows: comments, a line of names, a count of points.
+/// Content before the rows: comments, a line of names, a count of points.
 struct Head {
   std::optional<ColumnMeaning> names;
   std::optional<std::uint64_t> announced;
@@ -61,8 +61,8 @@ struct Head {
   std::size_t columns = 0;
 };
 
-/// Reads up to the first row. Where commas stand for decimal points, `with_points` receives the text with points and
-/// the body lies in it.
+/// Reads up to the first row. If commas are decimal points, `with_points` receives the text with points, and the body
+/// refers to it.
 Head read_head(const Input& in, std::string_view bytes, std::string& with_points) {
   Head head;
   TextScanner text(bytes);
@@ -113,7 +113,7 @@ Head read_head(const Input& in, std::string_view bytes, std::string& with_points
   in.fail("holds no points (no rows of numbers)");
 }
 
-/// The first thousand whole rows.
+/// The first thousand complete rows.
 std::vector<std::vector<double>> first_rows(const Head& head) {
   std::vector<std::vector<double>> rows;
   TextScanner text(head.body);
@@ -127,14 +127,14 @@ std::vector<std::vector<double>> first_rows(const Head& head) {
   return rows;
 }
 
-/// The wanted columns, left to right, and where each goes in the table.
+/// The used columns from left to right, and the position of each in the table.
 struct Layout {
   int place[most_columns];
   bool required[most_columns] = {};  ///< coordinates: a row without them is an error
-  NumberType type[most_columns];     ///< of the cells: doubles, unless the numbers need 64 bits
+  NumberType type[most_columns];     ///< cell types: doubles, unless the numbers need 64 bits
   int width = 0;
   int last_column = 0;  ///< a row that ends before it is an error
-  int last_place = 0;   ///< of those that may be missing, too
+  int last_place = 0;   ///< including optional columns
 };
 
 Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t columns) {
@@ -162,8 +162,9 @@ Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t co
 /// The rows of some of the lines.
 struct Block {
   std::vector<double> values;
-  std::vector<std::uint8_t> real;  ///< of each place in a row: whether some number is missing or not written as a whole
-  std::uint64_t announced = 0;     ///< sum of the counts met between the rows (PTS)
+  std::vector<std::uint8_t>
+      real;                     ///< per column of the table: whether a number is missing or not written as an integer
+  std::uint64_t announced = 0;  ///< sum of the counts between the rows (PTS)
   std::string error;
 };
 
@@ -227,14 +228,14 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
 
 struct Rows {
   std::vector<double> cells;
-  std::vector<std::uint8_t> real;  ///< as Block says, of all blocks
+  std::vector<std::uint8_t> real;  ///< as in Block, for all blocks
   std::uint64_t announced = 0;
 };
 
-/// All rows, read in parallel, one after the other.
+/// All rows, read in parallel and joined in order.
 Rows read_rows(const Input& in, const Head& head, const Layout& layout) {
   const std::size_t chunk = 1 << 13;
-  std::vector<const char*> starts;  // of every chunk-th line
+  std::vector<const char*> starts;  // beginning of every chunk-th line
   const char* p = head.body.data();
   const char* const end = p + head.body.size();
   for (std::size_t line = 0; p != end; ++line) {
@@ -268,11 +269,11 @@ Rows read_rows(const Input& in, const Head& head, const Layout& layout) {
 }
 
 struct ColumnType {
-  NumberType type;    ///< the integer that holds all numbers, or double
-  bool exact = true;  ///< doubles have held them
+  NumberType type;    ///< the integer type that holds all numbers, or double
+  bool exact = true;  ///< doubles hold them exactly
 };
 
-/// Of a column of further numbers; nothing where there are none.
+/// Type of a further column; empty if it has no numbers.
 std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::size_t width, std::size_t place,
                                          bool real) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -281,7 +282,7 @@ std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::
     least = std::min(least, cells[i]), most = std::max(most, cells[i]);
   }
   if (least > most) return std::nullopt;
-  // The largest integers of 64 bits round up to the powers of two that they just miss.
+  // The largest integers of 64 bits round up to the next power of two.
   const bool exact = least > -0x1p53 && most < 0x1p53;
   if (real) return ColumnType{NumberType::f64};
   if (least >= -0x1p31 && most < 0x1p31) return ColumnType{NumberType::i32};
@@ -290,26 +291,11 @@ std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::
   return ColumnType{NumberType::f64};
 }
 
-}  // namespace
-
-PointSet read_table(const Input& in) {
-  std::string_view bytes = in.bytes;
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // byte order mark
-  if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
-    in.fail("is not text, as its ending says it should be");
-  std::string with_points;
-  Head head = read_head(in, bytes, with_points);
-  const std::string extension = ending(in.file);
-  const bool normals_by_ending =
-      head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
-  const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
-  Layout layout = make_layout(in, meaning, head.columns);
-  Rows read = read_rows(in, head, layout);
-  if (head.announced) *head.announced += read.announced;
+/// The further columns as attributes, whose types are known only after the rows were read. 64-bit integers are read
+/// again, because a double rounds them.
+std::vector<NamedColumns> other_columns(const Input& in, const Head& head, const ColumnMeaning& meaning, Layout& layout,
+                                        Rows& read) {
   const std::size_t width = static_cast<std::size_t>(layout.width);
-
-  // What type the further columns have shows only now; integers of 64 bits are read once more, for a double rounds
-  // them.
   std::vector<NamedColumns> others;
   std::string without;
   bool again = false;
@@ -327,25 +313,18 @@ PointSet read_table(const Input& in) {
   }
   if (!without.empty()) in.warn("columns without numbers were left out: " + without);
   if (again) read = read_rows(in, head, layout);
-  const std::vector<double>& table = read.cells;
   for (NamedColumns& other : others) {
     Column& c = other.components[0];
-    c.at = reinterpret_cast<const char*>(table.data() + c.stride);
+    c.at = reinterpret_cast<const char*>(read.cells.data() + c.stride);
     c.stride = width * sizeof(double);
   }
-  const std::size_t rows = table.size() / width;
-  if (rows == 0) in.fail("holds no points");
+  return others;
+}
 
-  // Count, points, then as many normals.
-  const bool normals_below = head.announced && head.columns == 3 && *head.announced > 0 && rows == 2 * *head.announced;
-  const std::size_t n = normals_below ? rows / 2 : rows;
-  if (head.announced && n < *head.announced) {
-    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*head.announced), grouped(n)));
-  }
-  if (head.announced && n > *head.announced) {
-    in.warn(fmt::format("announces {} points, holds {}", grouped(*head.announced), grouped(n)));
-  }
-
+/// Positions, normals and colours of n points; `normals_below`: as many rows of normals follow the positions.
+CloudColumns cloud_columns(const ColumnMeaning& meaning, const Layout& layout, const std::vector<double>& table,
+                           std::size_t n, bool normals_below) {
+  const std::size_t width = static_cast<std::size_t>(layout.width);
   const auto column = [&](int k, std::size_t first_row = 0) {
     const int c = meaning.column[k];
     if (c < 0) return Column{};
@@ -361,18 +340,47 @@ PointSet read_table(const Input& in) {
       cloud.normal[k] = column(3 + k);
     if (meaning.has(6)) cloud.color[k] = column(6 + k);
   }
-  if (meaning.has(6)) {
-    // Fractions only if some colour is not whole.
-    cloud.whole_colors = true;
-    for (std::size_t i = 0; i < n && cloud.whole_colors; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        const double c = cloud.color[k][i];
-        if (std::isfinite(c) && c != std::floor(c)) cloud.whole_colors = false;
-      }
+  if (!meaning.has(6)) return cloud;
+  // Fractions only if some colour is not an integer.
+  cloud.whole_colors = true;
+  for (std::size_t i = 0; i < n && cloud.whole_colors; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double c = cloud.color[k][i];
+      if (std::isfinite(c) && c != std::floor(c)) cloud.whole_colors = false;
     }
   }
+  return cloud;
+}
+
+}  // namespace
+
+PointSet read_table(const Input& in) {
+  const std::string_view bytes = without_byte_order_mark(in.bytes);
+  if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
+    in.fail("is not text, as its ending says it should be");
+  std::string with_points;
+  Head head = read_head(in, bytes, with_points);
+  const std::string extension = ending(in.file);
+  const bool normals_by_ending =
+      head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
+  const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
+  Layout layout = make_layout(in, meaning, head.columns);
+  Rows read = read_rows(in, head, layout);
+  if (head.announced) *head.announced += read.announced;
+  const std::vector<NamedColumns> others = other_columns(in, head, meaning, layout, read);
+  const std::size_t rows = read.cells.size() / static_cast<std::size_t>(layout.width);
+  if (rows == 0) in.fail("holds no points");
+
+  // Count, points, then as many normals.
+  const bool normals_below = head.announced && head.columns == 3 && *head.announced > 0 && rows == 2 * *head.announced;
+  const std::size_t n = normals_below ? rows / 2 : rows;
+  if (head.announced && n < *head.announced)
+    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*head.announced), grouped(n)));
+  if (head.announced && n > *head.announced)
+    in.warn(fmt::format("announces {} points, holds {}", grouped(*head.announced), grouped(n)));
+
   PointSet points;
-  decode_columns(in, cloud, n, points);
+  decode_columns(in, cloud_columns(meaning, layout, read.cells, n, normals_below), n, points);
   points.attributes = decode_attributes(in, others, n);
   in.report.format = fmt::format("text, {} columns{}{}", head.columns, points.has_normals() ? ", normals" : "",
                                  points.has_colors() ? ", colours" : "");

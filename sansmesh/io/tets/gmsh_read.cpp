@@ -25,13 +25,13 @@ class GmshNumbers {
   GmshNumbers(const Input& in, std::string_view body, bool binary, bool swap, std::size_t size_bytes)
       : in_(in), text_(in, body), rest_(body), binary_(binary), swap_(swap), size_bytes_(size_bytes) {}
 
-  /// In binary files of four bytes.
+  /// Four bytes in binary files.
   std::int64_t whole(const char* of) {
     if (!binary_) return text_.whole(of);
     const char* const p = take(4, of);
     return swap_ ? load<std::int32_t, true>(p) : load<std::int32_t>(p);
   }
-  /// In binary files of the size that the header gives.
+  /// In binary files of the size in the header.
   std::uint64_t size(const char* of) {
     if (!binary_) {
       const std::int64_t n = text_.whole(of);
@@ -42,20 +42,20 @@ class GmshNumbers {
     if (size_bytes_ == 4) return swap_ ? load<std::uint32_t, true>(p) : load<std::uint32_t>(p);
     return swap_ ? load<std::uint64_t, true>(p) : load<std::uint64_t>(p);
   }
-  /// A number of entries that follow, each of at least so many numbers.
+  /// A number of following entries, each of at least `numbers` numbers.
   std::size_t count(const char* of, std::size_t numbers = 1) { return checked(size(of), of, numbers); }
-  /// The same of entries that a number of four bytes counts.
+  /// The same for entries with a count of four bytes.
   std::size_t small_count(const char* of, std::size_t numbers = 1) {
     const std::int64_t n = whole(of);
-    if (n < 0) in_.fail(fmt::format("{} {} cannot be", n, of));
+    if (n < 0) in_.fail(fmt::format("an impossible number of {1}: {0}", n, of));
     return checked(static_cast<std::uint64_t>(n), of, numbers);
   }
-  /// A number of entries as a line of text, in binary files, too.
+  /// A number of entries on a line of text, also in binary files.
   std::size_t line_count(const char* of, std::size_t numbers) {
     if (!binary_) return count(of, numbers);
     NumberText head(in_, line());
     const std::int64_t n = head.whole(of);
-    if (n < 0) in_.fail(fmt::format("{} {} cannot be", n, of));
+    if (n < 0) in_.fail(fmt::format("an impossible number of {1}: {0}", n, of));
     return checked(static_cast<std::uint64_t>(n), of, numbers);
   }
   double real(const char* of) {
@@ -63,7 +63,7 @@ class GmshNumbers {
     const char* const p = take(8, of);
     return swap_ ? load<double, true>(p) : load<double>(p);
   }
-  /// A line of text, in binary files, too.
+  /// A line of text, also in binary files.
   std::string_view line() {
     if (!binary_) return text_.line();
     TextScanner s(rest_);
@@ -81,7 +81,7 @@ class GmshNumbers {
     return static_cast<std::size_t>(n);
   }
   const char* take(std::size_t bytes, const char* of) {
-    if (rest_.size() < bytes) in_.fail(fmt::format("truncated: it ends among its {}", of));
+    if (rest_.size() < bytes) in_.fail(fmt::format("truncated: it ends within its {}", of));
     const char* const p = rest_.data();
     rest_.remove_prefix(bytes);
     return p;
@@ -94,10 +94,10 @@ class GmshNumbers {
   std::size_t size_bytes_;
 };
 
-/// Kinds of elements: how many nodes they have, and what becomes of them.
+/// Kinds of elements: their number of nodes and their conversion.
 struct GmshElement {
   std::uint8_t type, nodes, corners;
-  const char* name;  ///< null for those that fill space, whose shape is told by the number of corners
+  const char* name;  ///< null for solid elements, whose shape follows from the number of corners
 };
 constexpr GmshElement kGmshElements[] = {
     {1, 2, 2, "edge"},       {2, 3, 3, "triangle"},       {3, 4, 4, "quadrilateral"}, {4, 4, 4, nullptr},
@@ -110,7 +110,7 @@ constexpr GmshElement kGmshElements[] = {
     {29, 20, 4, nullptr},    {30, 35, 4, nullptr},        {31, 56, 4, nullptr},       {92, 64, 8, nullptr},
     {93, 125, 8, nullptr}};
 
-/// Arrays have a number for each node or element, sections of data may name but a few of these.
+/// Arrays have a number for each node or element, but sections of data may name only a few of these.
 constexpr std::uint64_t kMostNumbersPerByte = 16;
 
 CellShape shape_of_corners(std::size_t corners) {
@@ -146,7 +146,7 @@ class GmshFile {
         TextScanner s(rest);
         s.skip_space();
         if (!s.at_end() && *s.position() != '$')
-          in_.fail(fmt::format("more in its ${} than this says that there is", printable(*name, 40)));
+          in_.fail(fmt::format("more data in its ${} than announced", printable(*name, 40)));
       }
       const std::size_t at = rest.find(end);
       if (at == std::string_view::npos) in_.fail(fmt::format("truncated: '{}' is missing", end));
@@ -166,14 +166,14 @@ class GmshFile {
     std::vector<std::pair<std::uint64_t, std::vector<double>>> rows;
   };
 
-  /// Moves behind the name of the next section.
+  /// Moves past the name of the next section.
   std::optional<std::string> next_section(std::string_view& rest) const {
     TextScanner s(rest);
     for (;;) {
       s.skip_space();
       if (s.at_end()) return std::nullopt;
       if (*s.position() != '$') {
-        // Text that belongs to nothing: comments of some programs.
+        // Text outside of sections: comments of some programs.
         s.line();
         continue;
       }
@@ -182,7 +182,7 @@ class GmshFile {
       std::string name(line.substr(1));
       while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
       if (name.size() > 60 || name.starts_with("End"))
-        in_.fail(fmt::format("'${}' where a section should begin", name.substr(0, 40)));
+        in_.fail(fmt::format("'${}' instead of a section", name.substr(0, 40)));
       return name;
     }
   }
@@ -193,10 +193,10 @@ class GmshFile {
     TextScanner s(rest);
     int type = 0, bytes = 0;
     if (!s.number(version_) || !s.number(type) || !s.number(bytes))
-      in_.fail("its format cannot be understood: a version, 0 or 1, and a size are wanted behind $MeshFormat");
+      in_.fail("its format cannot be understood: $MeshFormat requires a version, 0 or 1, and a size");
     if (!(version_ >= 2 && version_ < 3) && !(version_ >= 4 && version_ < 4.15))
-      in_.fail(
-          fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it anew by Gmsh", version_));
+      in_.fail(fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it again with Gmsh",
+                           version_));
     if ((type != 0 && type != 1) || (bytes != 4 && bytes != 8) || (version_ < 3 && bytes != 8))
       in_.fail("its format cannot be understood: neither text nor binary, or numbers of an unknown size");
     binary_ = type == 1;
@@ -207,7 +207,7 @@ class GmshFile {
     if (!binary_) return;
     if (numbers(rest).whole("format") != 1) {
       swap_ = true;
-      if (numbers(rest).whole("format") != 1) in_.fail("the number that tells its byte order is 1 in none");
+      if (numbers(rest).whole("format") != 1) in_.fail("the number that shows its byte order is 1 in neither order");
     }
     rest.remove_prefix(4);
   }
@@ -273,7 +273,7 @@ class GmshFile {
         }
       }
       if (points_.size() != all)
-        in_.fail(fmt::format("holds {} nodes, not {} as it says", grouped(points_.size()), grouped(all)));
+        in_.fail(fmt::format("holds {} nodes, not {} as announced", grouped(points_.size()), grouped(all)));
     }
     numbers_.emplace(in_, tags_);
     rest = n.rest();
@@ -282,7 +282,7 @@ class GmshFile {
   const GmshElement& element(std::int64_t type) const {
     for (const GmshElement& e : kGmshElements)
       if (e.type == type) return e;
-    in_.fail(fmt::format("holds elements of the type {}, which is not known", type));
+    in_.fail(fmt::format("holds elements of the unknown type {}", type));
   }
 
   /// An element whose nodes come next.
@@ -303,7 +303,7 @@ class GmshFile {
       return;
     }
     if (e.nodes > e.corners) cells_.simplify();
-    if (e.corners == 6) std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge is the other way round
+    if (e.corners == 6) std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge has the opposite orientation
     cells_.add(shape_of_corners(e.corners), corners, tags);
     cell_numbers_.push_back(number);
   }
@@ -333,7 +333,7 @@ class GmshFile {
         }
         const GmshElement& e = element(n.whole(of));
         const std::size_t many = n.small_count(of), tags = n.small_count(of);
-        if (many == 0 || many > count - k) in_.fail("its elements are more than it says");
+        if (many == 0 || many > count - k) in_.fail("it has more elements than announced");
         for (std::size_t j = 0; j < many; ++j) tagged(e, static_cast<std::uint64_t>(n.whole(of)), tags);
         k += many;
       }
@@ -355,7 +355,7 @@ class GmshFile {
           add_element(e, number, group == physical_.end() ? 0 : group->second, entity, next);
         }
       }
-      if (sum != all) in_.fail(fmt::format("holds {} elements, not {} as it says", grouped(sum), grouped(all)));
+      if (sum != all) in_.fail(fmt::format("holds {} elements, not {} as announced", grouped(sum), grouped(all)));
     }
     rest = n.rest();
   }
@@ -391,7 +391,7 @@ class GmshFile {
       if (k < 3) whole[k] = v;
     }
     if (wholes < 3 || whole[1] < 1 || whole[1] > 1000 || whole[2] < 0)
-      in_.fail(fmt::format("its {} do not say how many rows and components there are", of));
+      in_.fail(fmt::format("its {} do not state their numbers of rows and components", of));
     data.components = static_cast<std::size_t>(whole[1]);
     GmshNumbers n = numbers(head.rest());
     const auto rows = static_cast<std::uint64_t>(whole[2]);
@@ -412,7 +412,7 @@ class GmshFile {
     data_.push_back(std::move(data));
   }
 
-  /// Puts the rows where their nodes or elements are; those of others are unknown.
+  /// Assigns rows to their nodes or elements; the rows of others are unknown.
   void give_data(const Data& d, std::size_t rows, const std::map<std::uint64_t, std::size_t>& place,
                  AttributeTable& table) const {
     std::vector<double> values(rows * d.components, std::numeric_limits<double>::quiet_NaN());
@@ -444,7 +444,7 @@ class GmshFile {
       const std::vector<std::uint64_t>& all = d.of_nodes ? tags_ : cells;
       numbers += all.size() * d.components;
       if (numbers > kMostNumbersPerByte * in_.bytes.size())
-        in_.fail(fmt::format("its arrays would have {} numbers or more, of which its {} bytes hold next to nothing",
+        in_.fail(fmt::format("its arrays would have {} numbers or more, far more than its {} bytes hold",
                              grouped(numbers), grouped(in_.bytes.size())));
       if (place.empty())
         for (std::size_t k = 0; k < all.size(); ++k) place.emplace(all[k], k);

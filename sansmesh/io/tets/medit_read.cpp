@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Cells: keyword, its number in binary files, corners; space is filled by those with a shape.
+/// Cells: keyword, its number in binary files, corners; cells with a shape are solid.
 struct MeditCells {
   const char* keyword;
   int code;
@@ -33,7 +33,7 @@ constexpr MeditCells kMeditCells[] = {
     {"pyramids", 49, 5, true, "pyramid"},
 };
 
-/// The mesh as it is put together from either form.
+/// The mesh built from either form.
 class MeditMesh {
  public:
   explicit MeditMesh(const Input& in) : in_(in), cells_({"reference"}) {}
@@ -44,7 +44,7 @@ class MeditMesh {
   }
   int dimension() const { return dimension_; }
 
-  /// `real` and `whole` give the next number.
+  /// `real` and `whole` return the next number.
   template <class Real, class Whole>
   void add_vertices(std::size_t count, Real&& real, Whole&& whole) {
     if (!points_.empty()) in_.fail("has two lists of vertices");
@@ -62,7 +62,7 @@ class MeditMesh {
       for (std::size_t c = 0; c < kind.corners; ++c) named[c] = whole();
       const auto reference = static_cast<std::int32_t>(whole());
       if (kind.corners < 3) continue;
-      // Cells may come before vertices: their corners are checked at the end.
+      // Cells may precede vertices: their corners are checked at the end.
       rows_.push_back({&kind, reference, {}});
       std::copy_n(named, 8, rows_.back().corners);
     }
@@ -86,7 +86,8 @@ class MeditMesh {
         cells_.add_flat(corners, tags);
         continue;
       }
-      if (row.kind->corners == 6) std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge is the other way round
+      if (row.kind->corners == 6)
+        std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge has the opposite orientation
       cells_.add(row.kind->corners == 4   ? CellShape::tetrahedron
                  : row.kind->corners == 5 ? CellShape::pyramid
                  : row.kind->corners == 6 ? CellShape::wedge
@@ -148,7 +149,7 @@ GridData read_medit_text(const Input& in) {
   return mesh.finished("Medit, text");
 }
 
-/// A walk over the binary form.
+/// Parser of the binary form.
 class MeditBytes {
  public:
   explicit MeditBytes(const Input& in) : in_(in) {
@@ -177,14 +178,14 @@ class MeditBytes {
     const char* const p = take(8);
     return swap_ ? load<double, true>(p) : load<double>(p);
   }
-  /// Where the next keyword stands; 0 after the last.
+  /// Position of the next keyword; 0 after the last.
   std::int64_t place() { return version_ > 2 ? whole8() : whole4(); }
   void go(std::int64_t place) {
     if (place < 0 || static_cast<std::uint64_t>(place) > in_.bytes.size())
-      in_.fail(fmt::format("truncated, or damaged: a keyword lies outside of it, at byte {} of {}", place,
+      in_.fail(fmt::format("truncated, or damaged: a keyword is outside of it, at byte {} of {}", place,
                            grouped(in_.bytes.size())));
     if (static_cast<std::size_t>(place) < at_)
-      in_.fail(fmt::format("damaged: a keyword lies at byte {}, among what comes before it", place));
+      in_.fail(fmt::format("damaged: a keyword is at byte {}, inside earlier data", place));
     at_ = static_cast<std::size_t>(place);
   }
   std::size_t count(const char* of, std::size_t numbers) {

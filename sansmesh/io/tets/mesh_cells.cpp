@@ -29,7 +29,7 @@ std::uint32_t PointNumbers::at(std::uint64_t number) const {
              it != index_.end() && it->first == number) {
     return it->second;
   }
-  in_.fail(fmt::format("a cell names the point {}, which is not there", static_cast<std::int64_t>(number)));
+  in_.fail(fmt::format("a cell refers to the missing point {}", static_cast<std::int64_t>(number)));
 }
 
 void PointNumbers::give_to(GridBlock& block) {

@@ -1,5 +1,4 @@
-// What readers of unstructured meshes share: points by the numbers that files give them, cells with their tags, and
-// what is left out of them.
+// Common parts of readers of unstructured meshes: points by number, cells with tags, and notes on skipped elements.
 #pragma once
 
 #include <cstddef>
@@ -15,41 +14,41 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Finds points by their numbers.
+/// Maps the point numbers of a file to indices.
 class PointNumbers {
  public:
-  /// Throws FileError where two points have the same number, or there are more points than can be.
+  /// Throws FileError if two points have the same number, or there are too many points.
   PointNumbers(const Input& in, std::vector<std::uint64_t> numbers);
-  /// Place in the list. Throws FileError where `cell` names a point that is not there.
+  /// Index of a point. Throws FileError if it does not exist.
   std::uint32_t at(std::uint64_t number) const;
-  /// Puts them into a block, unless they count from 0.
+  /// Stores the numbers in a block, unless they count from 0.
   void give_to(GridBlock& block);
 
  private:
   const Input& in_;
   std::vector<std::uint64_t> numbers_;
-  bool in_row_ = true;                                          ///< each is one more than the last
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> index_;  ///< sorted; only where they are not
+  bool in_row_ = true;                                          ///< consecutive
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> index_;  ///< sorted; only for numbers that are not consecutive
 };
 
-/// Takes the cells of a file as they come.
+/// Collects the cells of a file.
 class MeshCells {
  public:
-  /// `tags`: names of whole numbers that each cell has; those that are 0 everywhere become no array.
+  /// `tags`: names of integers that each cell has; tags that are 0 everywhere become no array.
   explicit MeshCells(std::vector<std::string> tags) : tags_(std::move(tags)), volume_(tags_.size()), flat_(volume_) {}
 
   void add(CellShape shape, std::span<const std::uint32_t> corners, std::span<const std::int32_t> tags);
   /// A triangle or a quadrilateral.
   void add_flat(std::span<const std::uint32_t> corners, std::span<const std::int32_t> tags);
-  /// Cells of a kind ("edge") that nobody asks for.
+  /// Counts skipped cells of a kind ("edge").
   void leave_out(const std::string& kind, std::size_t count = 1) { left_out_[kind] += count; }
-  /// Cells of which only the corners are used.
+  /// Counts cells of which only the corners are used.
   void simplify(std::size_t count = 1) { simplified_ += count; }
-  /// Whether any of them fill space.
+  /// Whether any of the cells fill space.
   bool solid() const { return !cells_.empty(); }
   bool empty() const { return cells_.empty() && rings_.empty(); }
 
-  /// Moves all into the block, flat cells only where there are no others, and adds notes on what was left out.
+  /// Moves all cells into the block, flat cells only if there are no others, and adds notes on skipped ones.
   void give_to(GridBlock& block, GridData& data);
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostAttributes = 1000;
 
-/// Rows of attributes, and of a last column of whole numbers where there is one.
+/// Attributes by rows, and an optional last column of integers.
 class TetgenColumns {
  public:
   TetgenColumns(std::size_t attributes, bool marks) : columns_(attributes), with_marks_(marks) {}
@@ -39,14 +39,14 @@ class TetgenColumns {
   bool with_marks_;
 };
 
-/// The rest of a header's line as numbers; 0 where there is none.
+/// The next number in the header's line; 0 if there is none.
 std::int64_t number_of_line(NumberText& text) {
   std::int64_t n = 0;
   if (!text.at_line_end()) n = text.whole("header");
   return n;
 }
 
-/// A column too many would be taken for the beginning of the next row.
+/// An extra column would be read as the beginning of the next row.
 void end_row(NumberText& text, const char* of) {
   if (!text.at_line_end()) text.fail(fmt::format("a row of its {} has more columns than its header says", of));
 }
@@ -59,7 +59,7 @@ PointNumbers read_tetgen_nodes(const Input& in, GridBlock& block) {
   const std::int64_t dimension = number_of_line(text), attributes = number_of_line(text), marks = number_of_line(text);
   if (dimension != 3) in.fail(fmt::format("its points have {} coordinates, not 3", dimension));
   if (attributes < 0 || attributes > static_cast<std::int64_t>(kMostAttributes) || marks < 0 || marks > 1)
-    in.fail("its header cannot be understood: points, 3, attributes, 0 or 1 are wanted");
+    in.fail("its header cannot be understood: points, 3, attributes, 0 or 1 are required");
   TetgenColumns columns(static_cast<std::size_t>(attributes), marks == 1);
   std::vector<std::uint64_t> numbers;
   numbers.reserve(count);
@@ -83,11 +83,11 @@ void read_tetgen_cells(const Input& in, const PointNumbers& points, GridBlock& b
   const std::int64_t nodes = number_of_line(text), attributes = number_of_line(text);
   if (nodes != 4 && nodes != 10) in.fail(fmt::format("its tetrahedra have {} points, not 4 (nor 10)", nodes));
   if (attributes < 0 || attributes > static_cast<std::int64_t>(kMostAttributes))
-    in.fail("its header cannot be understood: tetrahedra, 4 or 10, attributes are wanted");
+    in.fail("its header cannot be understood: tetrahedra, 4 or 10, attributes are required");
   TetgenColumns columns(static_cast<std::size_t>(attributes), false);
   MeshCells cells({});
   for (std::size_t k = 0; k < count; ++k) {
-    text.whole(of);  // its own number
+    text.whole(of);  // its number
     std::array<std::uint32_t, 4> corners{};
     for (std::int64_t c = 0; c < nodes; ++c) {
       const auto named = static_cast<std::uint64_t>(text.whole(of));
@@ -136,9 +136,9 @@ GridData read_tetgen_pair(const Input& in) {
   std::error_code ignored;
   if (!std::filesystem::exists(other, ignored)) {
     if (!given_nodes)
-      in.fail(fmt::format("holds tetrahedra without points: {} is not there",
+      in.fail(fmt::format("holds tetrahedra without points: {} does not exist",
                           std::filesystem::path(other).filename().string()));
-    in.warn(fmt::format("there is no {} with tetrahedra beside it: these are points alone",
+    in.warn(fmt::format("there is no {} with tetrahedra beside it: only points are read",
                         std::filesystem::path(other).filename().string()));
     return read_tetgen(in, nullptr);
   }

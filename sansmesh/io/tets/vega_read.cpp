@@ -1,4 +1,4 @@
-// Vega FEM's .veg: sections that begin with an asterisk, files included by name.
+// Vega FEM's .veg: sections that begin with an asterisk, and included files.
 // Layout: Vega FEM's user manual, "The .veg file format".
 #include <fmt/core.h>
 
@@ -19,8 +19,8 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-constexpr int kMostIncluded = 8;       ///< files inside files
-constexpr int kMostInclusions = 1000;  ///< all together: files that name each other often would be read for ever
+constexpr int kMostIncluded = 8;       ///< nesting depth of included files
+constexpr int kMostInclusions = 1000;  ///< in total: files that include each other repeatedly would not end
 
 std::string_view trimmed(std::string_view s) {
   s = s.substr(0, s.find('#'));
@@ -66,7 +66,7 @@ class VegaFile {
     NumberText text(in, in.bytes);
     while (!text.at_end()) {
       const std::string_view word = text.word();
-      if (!word.starts_with('*')) text.fail(fmt::format("'{}' where a section should begin", word.substr(0, 30)));
+      if (!word.starts_with('*')) text.fail(fmt::format("'{}' instead of a section", word.substr(0, 30)));
       const std::string section = lower(word);
       if (section == "*vertices") {
         read_vertices(in, text);
@@ -85,7 +85,7 @@ class VegaFile {
       } else if (section == "*region") {
         read_region(in, text);
       } else {
-        text.fail(fmt::format("the section '{}' is not known", printable(word, 30)));
+        text.fail(fmt::format("unknown section '{}'", printable(word, 30)));
       }
     }
   }
@@ -171,7 +171,7 @@ class VegaFile {
       TextScanner s(word);
       std::uint64_t n = 0;
       if (!s.number(n) || !s.at_end())
-        text.fail(fmt::format("'{}' in the set '{}' is no number", printable(word, 30), printable(name, 40)));
+        text.fail(fmt::format("'{}' in the set '{}' is not a number", printable(word, 30), printable(name, 40)));
       set.push_back(n);
     }
   }
@@ -180,11 +180,11 @@ class VegaFile {
     const std::vector<std::string> words = words_of_section(text);
     if (words.size() != 2) text.fail("a region must name a set and a material");
     if (words[0] != "allElements" && !sets_.contains(words[0]))
-      in.fail(fmt::format("a region names the set '{}', which is not there", printable(words[0], 40)));
+      in.fail(fmt::format("a region names the missing set '{}'", printable(words[0], 40)));
     regions_.emplace_back(words[0], words[1]);
   }
 
-  /// What elements are made of, as arrays; later regions win.
+  /// Materials of elements as arrays; later regions override earlier ones.
   void give_materials(GridBlock& block, GridData& data) {
     if (!other_materials_.empty()) data.notes.emplace_back("materials of other kinds than ENU were left out");
     std::vector<double> columns[3];
@@ -195,7 +195,7 @@ class VegaFile {
       const auto m = materials_.find(material);
       if (m == materials_.end() && other_materials_.contains(material)) continue;
       if (m == materials_.end())
-        in_.fail(fmt::format("a region names the material '{}', which is not there", printable(material, 40)));
+        in_.fail(fmt::format("a region names the missing material '{}'", printable(material, 40)));
       const double v[] = {m->second.density, m->second.young, m->second.poisson};
       const auto give = [&](std::size_t e) {
         for (std::size_t k = 0; k < 3; ++k) columns[k][e] = v[k];
@@ -210,7 +210,7 @@ class VegaFile {
       for (const std::uint64_t n : sets_[set]) {
         const auto it = place.find(n);
         if (it == place.end())
-          in_.fail(fmt::format("the set '{}' names the element {}, which is not there", printable(set, 40), n));
+          in_.fail(fmt::format("the set '{}' names the missing element {}", printable(set, 40), n));
         give(it->second);
       }
     }

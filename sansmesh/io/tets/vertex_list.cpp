@@ -26,7 +26,7 @@ std::vector<std::uint64_t> parse_vertex_list(std::string_view bytes, const std::
       io::TextScanner digits(word);
       std::uint64_t n = 0;
       if (!digits.number(n) || !digits.at_end())
-        throw FileError(file, fmt::format("line {}: '{}' is no number of a vertex", line, word.substr(0, 30)));
+        throw FileError(file, fmt::format("line {}: '{}' is not a vertex number", line, word.substr(0, 30)));
       numbers.push_back(n);
     }
   }

@@ -20,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPackedBlock = 1 << 17;  ///< bytes that are compressed at a time
+constexpr std::size_t kPackedBlock = 1 << 17;  ///< bytes per compressed block
 constexpr int kPackedLevel = 4;
 constexpr std::uint8_t kVtkTetra = 10;
 
@@ -31,7 +31,8 @@ std::string raw_bytes(const std::vector<T>& values) {
   return bytes;
 }
 
-/// Blocks of vtkZLibDataCompressor: how many, their size, that of the last if it is another, packed sizes, then these.
+/// Blocks of vtkZLibDataCompressor: their number and size, the size of the last if it differs, packed sizes, then the
+/// data.
 std::string packed_blocks(const std::string& file, const std::string& bytes) {
   const std::size_t blocks = (bytes.size() + kPackedBlock - 1) / kPackedBlock;
   std::vector<std::string> packed(blocks);
@@ -55,12 +56,6 @@ std::string packed_blocks(const std::string& file, const std::string& bytes) {
   return all;
 }
 
-const char* vtu_type(NumberType type) {
-  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-  return names[static_cast<std::size_t>(type)];
-}
-
 class VtuFile {
  public:
   explicit VtuFile(const std::string& file) : file_(file) {}
@@ -69,7 +64,7 @@ class VtuFile {
   void array(std::string_view name, NumberType type, std::size_t components, const std::string& bytes) {
     line(fmt::format(
         "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>",
-        vtu_type(type), io::to_xml(name), components, offset_));
+        io::vtk_type_name(type), io::to_xml(name), components, offset_));
     parts_.push_back(packed_blocks(file_, bytes));
     offset_ += parts_.back().size();
   }

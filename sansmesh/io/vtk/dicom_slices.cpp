@@ -18,18 +18,18 @@
 #include <vector>
 
 #include "sansmesh/io/binary.h"
-#include "sansmesh/io/vtk/vtk_blocks.h"
+#include "sansmesh/io/vtk/vtk_values.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
 
 struct Slice {
   std::string file;
-  Vec3 position, along_row, along_column;  ///< of the first number; unit vectors
+  Vec3 position, along_row, along_column;  ///< position of the first number; unit vectors
   double column_step = 1, row_step = 1;    ///< between columns, between rows
   double thickness = 1;
   double at = 0;                        ///< along the normal
-  vtkSmartPointer<vtkImageData> image;  ///< its rows stand upside down
+  vtkSmartPointer<vtkImageData> image;  ///< its rows are upside down
   int columns() const { return image->GetDimensions()[0]; }
   int rows() const { return image->GetDimensions()[1]; }
 };
@@ -45,14 +45,14 @@ void check_syntax(const std::string& syntax, const std::string& file) {
     fail("holds a big-endian slice, which is not read", file);
 }
 
-/// Where a tag's value is, and how long it says that it is: less than 0 where that is not known before.
+/// Position and announced length of a tag's value; a length below 0 is unknown.
 struct Tag {
   std::uint32_t name = 0;  ///< group, element
   std::int64_t value = 0, length = 0;
 };
 
-/// VTK's reader trusts what a slice says of itself; this goes over its tags as that does (into sequences whose length
-/// is not known before, past others) and throws std::runtime_error for what it would read beyond.
+/// Checks the tags of a slice, because VTK's reader trusts them: visits them as that reader does (into sequences of
+/// unknown length, past others) and throws std::runtime_error where it would read beyond the file.
 class TagReader {
  public:
   explicit TagReader(const std::string& file)
@@ -60,7 +60,7 @@ class TagReader {
         stream_(file, std::ios::binary),
         size_(static_cast<std::int64_t>(std::filesystem::file_size(file))) {}
 
-  /// Bytes of the pixels, all of which are there.
+  /// Size of the pixel data in bytes, which all exist.
   std::int64_t pixel_bytes() {
     std::int64_t pixels = -1;
     for (std::int64_t at = begin(); at + 8 <= size_;) {
@@ -68,8 +68,8 @@ class TagReader {
       const bool beyond = tag.length > size_ - tag.value, of_pixels = tag.name == 0x7fe00010;
       const std::int64_t length = std::max<std::int64_t>(0, tag.length);
       if (pixels >= 0 && of_pixels) fail("holds several images in one file", file_);
-      if (pixels >= 0 && tag.name >> 16 == 0x0028) fail("holds pixels before what describes them", file_);
-      if (pixels >= 0 && beyond) break;  // what follows the pixels does not matter
+      if (pixels >= 0 && tag.name >> 16 == 0x0028) fail("holds pixels before their description", file_);
+      if (pixels >= 0 && beyond) break;  // data after the pixels are irrelevant
       if (beyond) fail("holds a truncated slice", file_);
       check(tag);
       names_.push_back(tag.name);
@@ -81,7 +81,7 @@ class TagReader {
     return pixels;
   }
 
-  /// Whether pixel_bytes() came by a tag; VTK's reader has chance values for those that there are not.
+  /// Whether pixel_bytes() passed a tag; VTK's reader has undefined values for missing ones.
   bool has(std::uint32_t name) const { return std::find(names_.begin(), names_.end(), name) != names_.end(); }
 
  private:
@@ -99,7 +99,7 @@ class TagReader {
     return 0;
   }
 
-  /// The length has 4 bytes, behind two letters 2, behind some of these 4 after a gap of 2.
+  /// The length has 4 bytes; after a two-letter type 2, or, for some types, 4 after a gap of 2.
   Tag tag_at(std::int64_t at) {
     const std::string head = bytes(at, 8), kind = head.substr(4, 2);
     Tag tag;
@@ -134,7 +134,7 @@ class TagReader {
   std::vector<std::uint32_t> names_;
 };
 
-/// Before VTK's reader makes room for the pixels and fills it.
+/// Called before VTK's reader allocates and fills the pixels.
 void check_pixels(vtkDICOMImageReader& reader, std::int64_t pixel_bytes, const std::string& file) {
   const int bits = reader.GetBitsAllocated();
   if (bits != 8 && bits != 16) fail("holds pixels of " + std::to_string(bits) + " bits, which are not read", file);
@@ -173,10 +173,10 @@ Slice read_slice(const std::string& file) {
     row = {o[0], o[1], o[2]}, column = {o[3], o[4], o[5]};
   }
   if (!(std::abs(norm(row) - 1) < 0.1 && std::abs(norm(column) - 1) < 0.1 && std::abs(dot(row, column)) < 0.1))
-    row = {1, 0, 0}, column = {0, 1, 0};  // without an orientation
+    row = {1, 0, 0}, column = {0, 1, 0};  // default orientation
   slice.along_row = normalized(row);
   slice.along_column = normalized(column - slice.along_row * dot(slice.along_row, column));
-  // In the order of the file, which gives the step from row to row first.
+  // The file stores the step between rows first.
   if (tags.has(0x00280030)) {
     const auto steps = numbers(reader->GetPixelSpacing(), 2);
     slice.row_step = steps[0] > 0 ? steps[0] : 1;
@@ -192,7 +192,7 @@ Slice read_slice(const std::string& file) {
 std::vector<Slice> read_slices(const std::string& path) {
   const auto probe = vtkSmartPointer<vtkDICOMImageReader>::New();
   if (!std::filesystem::is_directory(path)) {
-    if (probe->CanReadFile(path.c_str()) == 0) throw std::runtime_error("is no DICOM file that can be read");
+    if (probe->CanReadFile(path.c_str()) == 0) throw std::runtime_error("is not a readable DICOM file");
     return {read_slice(path)};
   }
   std::vector<std::string> files;
@@ -206,7 +206,7 @@ std::vector<Slice> read_slices(const std::string& path) {
   return slices;
 }
 
-/// Sorts them along the normal.
+/// Sorts slices along the normal.
 void sort_slices(std::vector<Slice>& slices) {
   const Slice first = slices[0];
   const Vec3 normal = cross(first.along_row, first.along_column);
@@ -222,12 +222,12 @@ void sort_slices(std::vector<Slice>& slices) {
   std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.at < b.at; });
 }
 
-/// Numbers of all slices, rows the right way round.
+/// Numbers of all slices, with rows from top to bottom.
 AttributeValues values_of_slices(const std::vector<Slice>& slices) {
   vtkDataArray* const like = slices[0].image->GetPointData()->GetScalars();
   const int columns = slices[0].columns(), rows = slices[0].rows();
   const vtkIdType size = static_cast<vtkIdType>(columns) * rows;
-  // Numbers are whole in slices that need no scaling, and reals in others.
+  // Slices without scaling have integers, others reals.
   const bool same = std::all_of(slices.begin(), slices.end(), [&](const Slice& s) {
     return s.image->GetPointData()->GetScalars()->GetDataType() == like->GetDataType();
   });
@@ -246,7 +246,7 @@ AttributeValues values_of_slices(const std::vector<Slice>& slices) {
   return values_of(*all, nullptr);
 }
 
-/// Distances along the normal: equal ones, where they are to the precision of headers.
+/// Distances along the normal; made equal if they are within the precision of headers.
 std::vector<double> distances_of(const std::vector<Slice>& slices, GridData& data) {
   std::vector<double> at;
   for (const Slice& s : slices) at.push_back(s.at - slices[0].at);
@@ -257,23 +257,23 @@ std::vector<double> distances_of(const std::vector<Slice>& slices, GridData& dat
     least = std::min(least, at[k] - at[k - 1]), most = std::max(most, at[k] - at[k - 1]);
     if (at[k] - at[k - 1] <= 1e-3 * mean)
       throw std::runtime_error(
-          "holds several slices at one place (" + std::filesystem::path(slices[k - 1].file).filename().string() +
+          "holds several slices at one position (" + std::filesystem::path(slices[k - 1].file).filename().string() +
           " and " + std::filesystem::path(slices[k].file).filename().string() + "): keep one series in a folder");
   }
   if (most - least <= 0.01 * mean) {
     for (std::size_t k = 0; k < at.size(); ++k) at[k] = mean * static_cast<double>(k);
   } else {
-    data.notes.push_back("the distance from slice to slice is not the same everywhere");
+    data.notes.push_back("the slices are not equally spaced");
   }
   return at;
 }
 
-/// For slices that do not say where they lie: one after the other, in the order of their names.
+/// For slices without positions: stacked in the order of their names.
 void stack_slices(std::vector<Slice>& slices, GridData& data) {
   for (std::size_t k = 0; k < slices.size(); ++k)
     slices[k].position +=
         cross(slices[0].along_row, slices[0].along_column) * (slices[0].thickness * static_cast<double>(k));
-  data.notes.push_back("the slices do not say where they lie: they are stacked in the order of their names");
+  data.notes.push_back("the slices have no positions: they are stacked in the order of their names");
 }
 
 }  // namespace
@@ -290,7 +290,7 @@ void add_slices(const std::string& path, VtkSink& sink, GridData& data) {
   const auto columns = static_cast<std::size_t>(first.columns()), rows = static_cast<std::size_t>(first.rows());
   block.dims = {columns, rows, slices.size()};
   const std::vector<double> at = distances_of(slices, data);
-  // Slices that a tilted gantry has shifted against each other.
+  // A tilted gantry shifts slices against each other.
   bool straight = true;
   for (const Slice& s : slices) {
     const Vec3 d = s.position - first.position;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -14,13 +15,13 @@ constexpr std::uint32_t kNoCorner = 0xffffffffu;
 
 using Ring = std::vector<std::uint8_t>;
 
-/// Faces as rings seen from outside, and edges in the order in which VTK numbers the nodes on them.
+/// Faces as rings in outside view, and edges in VTK's order of their nodes.
 struct CellFrame {
   std::size_t corners;
   std::vector<Ring> faces;
-  std::vector<std::array<std::uint8_t, 2>> edges;
+  std::span<const std::array<std::uint8_t, 2>> edges;
 
-  /// Number of the edge between two corners, counted on from the corners: that of its node.
+  /// Index of the node on the edge between two corners; edge nodes follow the corners.
   std::size_t node_between(std::uint8_t a, std::uint8_t b) const {
     for (std::size_t e = 0; e < edges.size(); ++e) {
       if ((edges[e][0] == a && edges[e][1] == b) || (edges[e][0] == b && edges[e][1] == a)) return corners + e;
@@ -31,16 +32,12 @@ struct CellFrame {
 
 const CellFrame& frame_of(CellShape shape) {
   static const CellFrame frames[] = {
-      {4, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}, {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}},
-      {5,
-       {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}},
-      {6,
-       {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
-       {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}},
+      {4, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}, cell_edges(CellShape::tetrahedron)},
+      {5, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, cell_edges(CellShape::pyramid)},
+      {6, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}, cell_edges(CellShape::wedge)},
       {8,
        {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}},
+       cell_edges(CellShape::hexahedron)},
   };
   return frames[static_cast<std::size_t>(shape)];
 }
@@ -111,7 +108,7 @@ void LinearCells::cone(std::span<const std::vector<std::uint32_t>> faces) {
   }
 }
 
-/// Corners are cut off at the nodes of their edges; what remains is cut into tetrahedra.
+/// Corners are cut off at the nodes of their edges; the rest is cut into tetrahedra.
 bool LinearCells::add_quadratic(CellShape shape, std::span<const std::uint32_t> nodes) {
   const CellFrame& frame = frame_of(shape);
   if (nodes.size() < frame.corners + frame.edges.size()) return false;
@@ -122,7 +119,7 @@ bool LinearCells::add_quadratic(CellShape shape, std::span<const std::uint32_t> 
       inner.push_back(nodes[frame.node_between(face[k], face[(k + 1) % face.size()])]);
   }
   for (std::uint8_t v = 0; v < frame.corners; ++v) {
-    // Neighbours around the corner: from a face through it to the next one that shares an edge there.
+    // Neighbours around the corner: from each face to the next one that shares an edge there.
     std::vector<std::uint8_t> around;
     for (const Ring& face : frame.faces) {
       const auto at = std::find(face.begin(), face.end(), v);
@@ -156,22 +153,17 @@ bool LinearCells::add_quadratic(CellShape shape, std::span<const std::uint32_t> 
   return true;
 }
 
-/// Hexahedra between the nodes of a Lagrange hexahedron.
-bool LinearCells::add_lattice(std::span<const std::uint32_t> nodes, std::size_t order) {
-  const int n = static_cast<int>(order), orders[3] = {n, n, n};
-  const auto at = [&](int i, int j, int k) {
-    return nodes[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(i, j, k, orders))];
-  };
-  for (int k = 0; k < n; ++k) {
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
+template <class At>
+void LinearCells::lattice(std::size_t n, const At& at) {
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t j = 0; j < n; ++j) {
+      for (std::size_t i = 0; i < n; ++i) {
         piece(CellShape::hexahedron,
               {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
                at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
       }
     }
   }
-  return true;
 }
 
 bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
@@ -207,7 +199,7 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
     case VTK_QUADRATIC_TETRA:
       return add_quadratic(CellShape::tetrahedron, p);
     case VTK_QUADRATIC_PYRAMID:
-    case 37:  // VTK_TRIQUADRATIC_PYRAMID, which older versions have not
+    case 37:  // VTK_TRIQUADRATIC_PYRAMID, which older versions lack
       return add_quadratic(CellShape::pyramid, p);
     case VTK_QUADRATIC_WEDGE:
       return add_quadratic(CellShape::wedge, p);
@@ -216,13 +208,7 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       return add_quadratic(CellShape::hexahedron, p);
     case VTK_TRIQUADRATIC_HEXAHEDRON: {
       if (!at_least(27)) return false;
-      const auto at = [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; };
-      for (std::size_t c = 0; c < 8; ++c) {
-        const std::size_t i = c & 1, j = c >> 1 & 1, k = c >> 2;
-        piece(CellShape::hexahedron,
-              {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
-               at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
-      }
+      lattice(2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; });
       return true;
     }
     case VTK_QUADRATIC_LINEAR_WEDGE:
@@ -241,10 +227,23 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       }
       return true;
     }
+    default:
+      return add_higher_order(type, p);
+  }
+}
+
+/// Only the corners of most cells of higher order are used.
+bool LinearCells::add_higher_order(int type, std::span<const std::uint32_t> p) {
+  switch (type) {
     case VTK_LAGRANGE_HEXAHEDRON: {
       const std::size_t order = static_cast<std::size_t>(std::lround(std::cbrt(static_cast<double>(p.size())))) - 1;
-      if (order > 0 && (order + 1) * (order + 1) * (order + 1) == p.size()) return add_lattice(p, order);
-      [[fallthrough]];
+      if (order == 0 || (order + 1) * (order + 1) * (order + 1) != p.size()) return add_solid(VTK_HEXAHEDRON, p);
+      const int n = static_cast<int>(order), orders[3] = {n, n, n};
+      lattice(order, [&](std::size_t i, std::size_t j, std::size_t k) {
+        const auto at = [](std::size_t x) { return static_cast<int>(x); };
+        return p[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(at(i), at(j), at(k), orders))];
+      });
+      return true;
     }
     case VTK_BEZIER_HEXAHEDRON:
     case VTK_HIGHER_ORDER_HEXAHEDRON:
@@ -318,7 +317,7 @@ bool LinearCells::add_flat(int type, std::span<const std::uint32_t> p) {
       quad(0, 4, 5, 3), quad(4, 1, 2, 5);
       return true;
     case VTK_QUADRATIC_POLYGON: {
-      std::vector<std::uint32_t> ring;  // corners and the nodes behind them, which stand in the second half
+      std::vector<std::uint32_t> ring;  // corners, then edge nodes in the second half
       for (std::size_t k = 0; k < p.size() / 2; ++k) ring.insert(ring.end(), {p[k], p[p.size() / 2 + k]});
       fan(ring);
       return at_least(6);

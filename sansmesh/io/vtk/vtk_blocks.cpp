@@ -36,27 +36,14 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/vtk/linear_cells.h"
+#include "sansmesh/io/vtk/vtk_values.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
 
 [[noreturn]] void fail(const std::string& cause) { throw std::runtime_error(cause); }
 
-template <class To, class From>
-AttributeValues copied(const void* from, std::size_t tuples, std::size_t components,
-                       const std::vector<std::uint32_t>* rows) {
-  const From* const p = static_cast<const From*>(from);
-  std::vector<To> to;
-  if (!rows) {
-    to.assign(p, p + tuples * components);
-  } else {
-    to.reserve(rows->size() * components);
-    for (const std::uint32_t r : *rows) to.insert(to.end(), p + r * components, p + (r + std::size_t{1}) * components);
-  }
-  return to;
-}
-
-/// Arrays of `expected` rows; of these the `rows` where they are given.
+/// Arrays of `expected` rows; only `rows` of them if given.
 void add_arrays(vtkDataSetAttributes& from, std::size_t expected, const std::vector<std::uint32_t>* rows, bool of_cells,
                 VtkSink& sink, GridBlock& block, GridData& data) {
   for (int a = 0; a < from.GetNumberOfArrays(); ++a) {
@@ -89,7 +76,8 @@ std::vector<std::uint8_t> flagged(vtkUnsignedCharArray* ghosts, std::size_t n, u
   return hidden;
 }
 
-/// What is not there to be seen. Copies of another process's points stay: cells that are not copies have them.
+/// Marks hidden points and cells. Ghost copies of another process's points stay, because cells that are not copies use
+/// them.
 void add_hidden(vtkDataSet& set, const std::vector<std::uint32_t>* cell_rows, GridBlock& block) {
   const unsigned cells = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL |
                          vtkDataSetAttributes::EXTERIORCELL | vtkDataSetAttributes::HIDDENCELL;
@@ -132,7 +120,7 @@ void add_image(vtkImageData& image, VtkSink& sink, GridBlock& block, GridData& d
     Vec3 direction{turn->GetElement(0, k), turn->GetElement(1, k), turn->GetElement(2, k)};
     double step = spacing[k];
     if (!std::isfinite(step) || !(norm(direction) > 0)) fail("its spacing or directions are not numbers");
-    // Pictures of one layer may have no spacing across it.
+    // Images of one layer may have no spacing across it.
     if (step == 0) {
       if (n > 1) fail("has no spacing along an axis");
       step = 1;
@@ -193,7 +181,7 @@ void add_structured(vtkStructuredGrid& grid, VtkSink& sink, GridBlock& block, Gr
   add_all_arrays(grid, sink, block, data);
 }
 
-/// Points and arrays of a block of cells, or of its points alone if it has none.
+/// Points and arrays of a block of cells, or only its points if it has no cells.
 void finish_cells(vtkPointSet& set, LinearCells& linear, VtkSink& sink, GridBlock& block, GridData& data) {
   const std::size_t cells = static_cast<std::size_t>(set.GetNumberOfCells());
   const std::vector<std::string> notes = linear.notes();
@@ -305,7 +293,7 @@ void add_polygons(vtkPolyData& set, VtkSink& sink, GridBlock& block, GridData& d
       if (!linear.add(type, nodes, row)) linear.leave_out("polygon of fewer than three points");
     }
   };
-  // Rows of cell data stand in this order.
+  // Order of the rows of cell data.
   add(set.GetVerts(), VTK_POLY_VERTEX);
   add(set.GetLines(), VTK_POLY_LINE);
   add(set.GetPolys(), VTK_POLYGON);
@@ -401,61 +389,12 @@ void add_levels(vtkUniformGridAMR& amr, const std::string& name, VtkSink& sink, 
 
 }  // namespace
 
-AttributeValues values_of(vtkDataArray& array, const std::vector<std::uint32_t>* rows) {
-  const std::size_t n = static_cast<std::size_t>(array.GetNumberOfTuples());
-  const std::size_t c = static_cast<std::size_t>(array.GetNumberOfComponents());
-  if (array.HasStandardMemoryLayout() && array.GetDataType() != VTK_BIT) {
-    const void* const p = array.GetVoidPointer(0);
-    switch (array.GetDataType()) {
-      case VTK_CHAR:
-      case VTK_SIGNED_CHAR:
-        return copied<std::int8_t, signed char>(p, n, c, rows);
-      case VTK_UNSIGNED_CHAR:
-        return copied<std::uint8_t, unsigned char>(p, n, c, rows);
-      case VTK_SHORT:
-        return copied<std::int16_t, short>(p, n, c, rows);
-      case VTK_UNSIGNED_SHORT:
-        return copied<std::uint16_t, unsigned short>(p, n, c, rows);
-      case VTK_INT:
-        return copied<std::int32_t, int>(p, n, c, rows);
-      case VTK_UNSIGNED_INT:
-        return copied<std::uint32_t, unsigned int>(p, n, c, rows);
-      case VTK_LONG:
-        return copied<std::int64_t, long>(p, n, c, rows);
-      case VTK_UNSIGNED_LONG:
-        return copied<std::uint64_t, unsigned long>(p, n, c, rows);
-      case VTK_LONG_LONG:
-        return copied<std::int64_t, long long>(p, n, c, rows);
-      case VTK_UNSIGNED_LONG_LONG:
-        return copied<std::uint64_t, unsigned long long>(p, n, c, rows);
-      case VTK_ID_TYPE:
-        return copied<std::int64_t, vtkIdType>(p, n, c, rows);
-      case VTK_FLOAT:
-        return copied<float, float>(p, n, c, rows);
-      default:
-        break;
-    }
-    if (array.GetDataType() == VTK_DOUBLE) return copied<double, double>(p, n, c, rows);
-  }
-  std::vector<double> all(n * c);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < c; ++k)
-      all[i * c + k] = array.GetComponent(static_cast<vtkIdType>(i), static_cast<int>(k));
-  }
-  if (array.GetDataType() == VTK_FLOAT) {
-    std::vector<float> narrow(all.size());
-    for (std::size_t i = 0; i < all.size(); ++i) narrow[i] = static_cast<float>(all[i]);
-    return copied<float, float>(narrow.data(), n, c, rows);
-  }
-  return copied<double, double>(all.data(), n, c, rows);
-}
-
 void add_blocks(vtkDataObject& object, const std::string& name, VtkSink& sink, GridData& data) {
   if (auto* const set = vtkDataSet::SafeDownCast(&object)) return add_data_set(*set, name, 0, sink, data);
   if (auto* const amr = vtkUniformGridAMR::SafeDownCast(&object)) return add_levels(*amr, name, sink, data);
   auto* const tree = vtkDataObjectTree::SafeDownCast(&object);
-  if (!tree) fail(std::string("holds data of the kind ") + object.GetClassName() + ", no volume");
-  // The children one by one, each with the name that its parent gives it.
+  if (!tree) fail(std::string("holds data of the kind ") + object.GetClassName() + ", which is not a volume");
+  // Visits the children separately, each with the name from its parent.
   const auto at = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
   at->TraverseSubTreeOff();
   at->VisitOnlyLeavesOff();

@@ -1,4 +1,4 @@
-// The module's entry: chooses VTK's reader, watches for its errors, hands over what it made.
+// Entry point of the module: chooses VTK's reader, monitors its errors, and returns its result.
 #include <vtkAlgorithm.h>
 #include <vtkCGNSReader.h>
 #include <vtkCallbackCommand.h>
@@ -42,20 +42,20 @@
 #include "sansmesh/io/vtk/dicom_slices.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
 
-// Of the library below VTK's reader of Exodus, whose header needs more packages: what it prints about errors (0:
-// nothing).
+// Function of the library below VTK's reader of Exodus, whose header needs more packages: which errors it prints (0:
+// none).
 extern "C" int vtkexodusII_ex_opts(int options) __attribute__((weak));
 
-// VTK's reader of CGNS calls this of the library below where a file is damaged, and the process ends. The loader looks
-// for it in this module before it does in the libraries that the module needs.
+// VTK's reader of CGNS calls this function of the underlying library for damaged files, which would end the process.
+// The loader finds this definition in the module before that in its dependencies.
 extern "C" __attribute__((visibility("default"))) [[noreturn]] void vtkcgns_cgio_error_exit(const char*) {
-  throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
+  throw std::runtime_error("is not a readable CGNS file: truncated or damaged");
 }
 
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Keeps what VTK would print.
+/// Captures VTK's messages.
 class CaptureWindow : public vtkOutputWindow {
  public:
   static CaptureWindow* New();
@@ -76,7 +76,7 @@ class CaptureWindow : public vtkOutputWindow {
   CaptureWindow() = default;
 
  private:
-  /// Data that end early are no error to some readers.
+  /// Some readers report truncated data only as a warning.
   void warn(const char* text) {
     const std::string message = message_of(text);
     if (message.find("Error") == std::string::npos && message.find("error") == std::string::npos)
@@ -84,7 +84,7 @@ class CaptureWindow : public vtkOutputWindow {
     else if (error.empty())
       error = message;
   }
-  /// "ERROR: In file.cxx, line 12\nvtkReader (0x12): what it is" → "what it is"
+  /// Extracts the message after "ERROR: In file.cxx, line 12" and a line break: "vtkReader (0x12): cause" → "cause".
   static std::string message_of(const char* text) {
     std::string s = text ? text : "";
     const std::size_t place = s.find(": In "), end = s.find('\n');
@@ -103,7 +103,7 @@ class CaptureWindow : public vtkOutputWindow {
 };
 vtkStandardNewMacro(CaptureWindow);
 
-/// Puts a window in the place of the process's own for the time of a scope.
+/// Replaces the process's output window within a scope.
 class Captured {
  public:
   Captured() : before_(vtkOutputWindow::GetInstance()), verbosity_(vtkLogger::GetCurrentVerbosityCutoff()) {
@@ -124,7 +124,7 @@ class Captured {
   vtkLogger::Verbosity verbosity_;
 };
 
-/// Drops what this thread prints, and hands on what others do.
+/// Drops output of this thread, and forwards that of others.
 class OwnThreadDropped : public std::streambuf {
  public:
   explicit OwnThreadDropped(std::streambuf* others) : others_(others) {}
@@ -147,7 +147,7 @@ class OwnThreadDropped : public std::streambuf {
   std::streambuf* others_;
 };
 
-/// Drops what the reader of CGNS prints by std::cerr, as long as it lives.
+/// Drops output of the reader of CGNS to std::cerr within a scope.
 class SilentErrors {
  public:
   SilentErrors() : before_(std::cerr.rdbuf()), dropped_(before_) { std::cerr.rdbuf(&dropped_); }
@@ -188,7 +188,7 @@ vtkSmartPointer<vtkAlgorithm> xml_reader(const VtkRequest& request) {
     reader->SetMaximumLevelsToReadByDefault(0);  // all
     return reader;
   }
-  throw std::runtime_error("holds VTK's data of the kind '" + type.substr(0, 40) + "', which is no volume");
+  throw std::runtime_error("holds VTK's data of the kind '" + type.substr(0, 40) + "', which is not a volume");
 }
 
 vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
@@ -211,7 +211,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       if (vtkexodusII_ex_opts) vtkexodusII_ex_opts(0);
       const auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
-        throw std::runtime_error("is no Exodus file that can be read: truncated or damaged");
+        throw std::runtime_error("is not a readable Exodus file: truncated or damaged");
       reader->SetFileName(request.file.c_str());
       reader->GenerateObjectIdCellArrayOff();
       reader->UpdateInformation();
@@ -228,7 +228,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
     case VtkFormat::cgns: {
       const auto reader = vtkSmartPointer<vtkCGNSReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
-        throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
+        throw std::runtime_error("is not a readable CGNS file: truncated or damaged");
       reader->SetFileName(request.file.c_str());
       reader->UpdateInformation();
       reader->EnableAllBases();
@@ -249,7 +249,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
     case VtkFormat::dicom:
       break;  // add_slices
   }
-  throw std::runtime_error("is of a format that the module does not know");
+  throw std::runtime_error("is of a format unknown to the module");
 }
 
 const char* format_name(VtkFormat format) {
@@ -257,7 +257,7 @@ const char* format_name(VtkFormat format) {
   return names[static_cast<std::size_t>(format)];
 }
 
-/// What the data set is called: "vtkUnstructuredGrid" → "unstructured grid".
+/// Kind of a data set as text: "vtkUnstructuredGrid" → "unstructured grid".
 std::string kind_of(vtkDataObject& object) {
   std::string words;
   for (const char* p = object.GetClassName() + 3; *p; ++p) {
@@ -293,7 +293,7 @@ void read_series(const VtkRequest& request, const Captured& captured, VtkSink& s
     const double* const times = info->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
     data.times.assign(times, times + info->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
   }
-  if (data.times == std::vector<double>{0}) data.times.clear();  // that of files without times
+  if (data.times == std::vector<double>{0}) data.times.clear();  // default of files without times
   if (request.time_step >= std::max<std::size_t>(1, data.times.size())) return;
   if (data.times.empty()) {
     reader->Update();
@@ -321,7 +321,7 @@ void read_checked(const VtkRequest& request, VtkSink& sink, GridData& data) {
 }  // namespace
 }  // namespace sansmesh::inline v1::io
 
-// Only these two are called from outside.
+// Only these two functions are called from outside.
 extern "C" __attribute__((visibility("default"))) std::size_t sansmesh_vtk_interface() {
   return sansmesh::io::kVtkInterface;
 }
@@ -329,7 +329,7 @@ extern "C" __attribute__((visibility("default"))) std::size_t sansmesh_vtk_inter
 extern "C" __attribute__((visibility("default"))) bool sansmesh_vtk_read(const sansmesh::io::VtkRequest& request,
                                                                          sansmesh::io::VtkSink& sink,
                                                                          sansmesh::GridData& data, std::string& error) {
-  // VTK's window for messages is one for the process.
+  // VTK has one output window per process.
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   try {

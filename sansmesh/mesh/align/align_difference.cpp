@@ -10,15 +10,16 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Medians of so few offsets tell nothing.
+/// Least number of offsets for a meaningful median.
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr std::size_t kMostNeighbours = 64;
-/// Standard deviations of a median beyond which it is no chance; and deviation over median of the absolute offsets.
-constexpr double kSurelyNoChance = 4, kDeviationOfMedianOffset = 1.4826, kDeviationOfMedians = 1.2533;
+/// Significance threshold in standard deviations of a median; √n times the standard deviation of a median of n values
+/// over that of the values.
+constexpr double kSurelyNoChance = 4, kDeviationOfMedians = 1.2533;
 
 }  // namespace
 
-ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Pose& pose,
+ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Similarity& pose,
                                  double spacing, double reach, double least, bool signs) {
   struct Offset {
     Vec3 offset, normal;
@@ -40,8 +41,8 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
 
   const KdTree tree(places);
   struct Local {
-    double middle = 0, scatter = 0;  ///< medians of the heights and of their distances from it
-    std::size_t count = 0;           ///< 0: not told
+    double middle = 0, scatter = 0;  ///< median of the heights, and median distance from it
+    std::size_t count = 0;           ///< 0: undetermined
   };
   std::vector<Local> locals(places.size());
   parallel_for(0, places.size(), 64, [&](std::size_t p) {
@@ -58,20 +59,20 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
     for (double& h : heights) h = std::abs(h - local.middle);
     local.scatter = median(heights);
   });
-  // A few heights may lie together by chance: nowhere is the noise taken to be less than it usually is.
+  // A few heights may coincide by chance: the noise is nowhere taken to be below its typical value.
   std::vector<double> scatters;
   for (const Local& local : locals)
     if (local.count > 0) scatters.push_back(local.scatter);
   if (scatters.empty()) return {};
-  const double told = static_cast<double>(scatters.size()), usual = median(scatters);
+  const double compared = static_cast<double>(scatters.size()), usual = median(scatters);
   std::vector<double> there;
   for (const Local& local : locals) {
     if (local.count == 0) continue;
-    const double deviation = kDeviationOfMedians * kDeviationOfMedianOffset * std::max(local.scatter, usual) /
+    const double deviation = kDeviationOfMedians * kDeviationOverMedian * std::max(local.scatter, usual) /
                              std::sqrt(static_cast<double>(local.count));
     if (std::abs(local.middle) > std::max(least, kSurelyNoChance * deviation)) there.push_back(std::abs(local.middle));
   }
-  const double share = static_cast<double>(there.size()) / told;
+  const double share = static_cast<double>(there.size()) / compared;
   return {share, median(there)};
 }
 

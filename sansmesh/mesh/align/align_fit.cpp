@@ -19,21 +19,19 @@ constexpr double kLikeNormals = 0.5;  // cosine
 constexpr double kReachOverMedian = 5;
 constexpr double kFastestNarrowing = 0.55;
 constexpr double kFitDamping = 1e-5;
-constexpr double kMostTurn = 0.5;  // radians in a step
+constexpr double kMostTurn = 0.5;  // radians per step
 constexpr double kEverywhere = 1e18;
-/// So many steps that bring the surfaces no nearer, by such a share, are enough.
+/// Number of steps without this relative improvement after which the fit ends.
 constexpr int kIdleSteps = 12;
 constexpr double kNearer = 1e-3;
 
-double tukey(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
-
 struct Pair {
   Vec3 at, foot, normal;
-  double distance = -1;  // below 0: they do not belong together
+  double distance = -1;  // negative: no match
 };
 
 template <class Surface>
-void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs,
+void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose, double reach, bool signs,
                 std::vector<Pair>& pairs) {
   pairs.resize(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
@@ -47,30 +45,28 @@ void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& 
     const double distance = norm(p.at - foot.point);
     if (!(distance <= reach)) return;
     p.foot = foot.point;
-    // Between the two normals: then a step is right to second order.
+    // The mean of both normals makes the step correct to second order.
     p.normal = normalized(foot.normal + (dot(n, foot.normal) < 0 ? -n : n));
     p.distance = distance;
   });
 }
 
-/// Of all samples, wherever they are: most of them are nearer.
+/// Distance that contains most samples, regardless of matches.
 template <class Surface>
-double distance_of_most(const OrientedPoints& moving, const Surface& fixed, const Pose& pose) {
+double distance_of_most(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose) {
   std::vector<double> distances(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
     Foot foot;
     const Vec3 at = pose(moving.x[i]);
     distances[i] = fixed.closest(at, kEverywhere, foot) ? norm(at - foot.point) : 0;
   });
-  if (distances.empty()) return 0;
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 4 / 5);
-  std::nth_element(distances.begin(), at, distances.end());
-  return *at;
+  return distances.empty() ? 0 : nth_smallest(distances, distances.size() * 4 / 5);
 }
 
-/// Moves the pose; root mean square of the motion of the pairs, without what the distances do not tell: to slide on is
-/// no way to get nearer.
-double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Pose& pose, std::vector<double>& told) {
+/// Moves the pose; returns the rms motion of the pairs without undetermined motions, since sliding along the surface
+/// does not reduce distances.
+double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Similarity& pose,
+                     std::vector<double>& determined) {
   const Eigen::Index unknowns = scale ? 7 : 6;
   Vec3 center;
   double count = 0, weights = 0;
@@ -86,14 +82,14 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
   Seven b = Seven::Zero();
   for (const Pair& p : pairs) {
     if (p.distance < 0) continue;
-    const double height = dot(p.at - p.foot, p.normal), w = tukey(p.distance / reach);
+    const double height = dot(p.at - p.foot, p.normal), w = tukey_weight(p.distance / reach);
     const Vec3 d = (p.at - center) / radius, turn = cross(d, p.normal);
     Seven row;
     row << p.normal.x, p.normal.y, p.normal.z, turn.x, turn.y, turn.z, dot(d, p.normal);
     a.noalias() += w * row * row.transpose();
     b -= w * height * row;
     weights += w;
-    // What a motion does to the places themselves.
+    // Displacement of the points by a unit motion.
     for (std::size_t k = 0; k < 3; ++k) {
       Vec3 axis;
       axis[k] = 1;
@@ -109,21 +105,18 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
       mass.topLeftCorner(unknowns, unknowns) + 1e-9 * Eigen::MatrixXd::Identity(unknowns, unknowns);
   Eigen::MatrixXd whole = a.topLeftCorner(unknowns, unknowns);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whole, m);
-  told.assign(eigen.eigenvalues().data(), eigen.eigenvalues().data() + unknowns);
+  determined.assign(eigen.eigenvalues().data(), eigen.eigenvalues().data() + unknowns);
   whole += kFitDamping * m;
   const Eigen::VectorXd x = whole.ldlt().solve(b.head(unknowns));
   if (!x.allFinite()) return 0;
   Vec3 turn = Vec3{x[3], x[4], x[5]} / radius;
   if (norm(turn) > kMostTurn) turn = turn * (kMostTurn / norm(turn));
-  const Pose rotation = rotation_by_vector(turn);
   const double factor = scale ? std::clamp(std::exp(x[6] / radius), 0.5, 2.0) : 1;
-  const Vec3 shift{x[0], x[1], x[2]};
-  pose = {rotation.turn(pose.x), rotation.turn(pose.y), rotation.turn(pose.z), pose.scale * factor,
-          rotation.turn(pose.shift - center) * factor + center + shift};
+  pose = pose.moved(center, turn, factor, {x[0], x[1], x[2]});
   const Eigen::VectorXd motions = eigen.eigenvectors().transpose() * (m * x);
   double squares = 0;
   for (Eigen::Index k = 0; k < unknowns; ++k)
-    if (eigen.eigenvalues()[k] >= kToldShare) squares += motions[k] * motions[k];
+    if (eigen.eigenvalues()[k] >= kDeterminedShare) squares += motions[k] * motions[k];
   return std::sqrt(squares);
 }
 
@@ -136,7 +129,7 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs) {
 }
 
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start,
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
                    const PoseFitOptions& options) {
   FitResult result;
   result.pose = start;
@@ -152,10 +145,10 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pos
     for (const Pair& p : pairs)
       if (p.distance >= 0) distances.push_back(p.distance);
     if (distances.size() < 6) break;
-    // No wider than the distances want, nor narrower.
+    // Adapts the width to the distances in both directions.
     const double middle = median(distances);
     const double wanted = std::max(options.least_reach, kReachOverMedian * middle);
-    const double step = take_fit_step(pairs, reach, options.scale, result.pose, result.told);
+    const double step = take_fit_step(pairs, reach, options.scale, result.pose, result.determined);
     ++result.iterations;
     const bool narrow = reach <= 1.02 * wanted || reach <= options.least_reach;
     reach = std::max({std::min(reach, wanted), options.least_reach, kFastestNarrowing * reach});
@@ -166,11 +159,15 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pos
   result.reach = reach;
   return result;
 }
-template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const PoseFitOptions&);
-template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const PoseFitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const PoseFitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const PoseFitOptions&);
 
+namespace {
+
+/// Overlap of samples with a surface: the mean of (1 − (distance / reach)²)², 0 for samples off the surface.
 template <class Surface>
-double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs) {
+double overlap_with(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose, double reach,
+                    bool signs) {
   if (moving.size() == 0) return 0;
   const double sum = parallel_reduce(
       moving.size(), 128, 0.0,
@@ -181,30 +178,30 @@ double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& 
           const Vec3 at = pose(moving.x[i]);
           if (!fixed.closest(at, 2 * reach, foot) || foot.beyond) continue;
           if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) continue;
-          part += tukey(norm(at - foot.point) / reach);
+          part += tukey_weight(norm(at - foot.point) / reach);
         }
         return part;
       },
       [](double x, double y) { return x + y; });
   return sum / static_cast<double>(moving.size());
 }
-template double share_on(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-template double share_on(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+
+}  // namespace
 
 template <class Surface>
-double share_back(const OrientedPoints& fixed, const Surface& moving, const Pose& pose, double reach, bool signs) {
-  const Pose back{{pose.x.x, pose.y.x, pose.z.x},
-                  {pose.x.y, pose.y.y, pose.z.y},
-                  {pose.x.z, pose.y.z, pose.z.z},
-                  1 / pose.scale,
-                  pose.turn_back(pose.shift) * (-1 / pose.scale)};
-  return share_on(fixed, moving, back, reach / pose.scale, signs);
+double mutual_overlap(const OrientedPoints& moving, const Surface& fixed_surface, const OrientedPoints& fixed,
+                      const Surface& moving_surface, const Similarity& pose, double reach, bool signs) {
+  return (overlap_with(moving, fixed_surface, pose, reach, signs) +
+          overlap_with(fixed, moving_surface, pose.inverse(), reach / pose.scale, signs)) /
+         2;
 }
-template double share_back(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-template double share_back(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+template double mutual_overlap(const OrientedPoints&, const SampleSurface&, const OrientedPoints&, const SampleSurface&,
+                               const Similarity&, double, bool);
+template double mutual_overlap(const OrientedPoints&, const WholeSurface&, const OrientedPoints&, const WholeSurface&,
+                               const Similarity&, double, bool);
 
 std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, const WholeSurface& fixed,
-                                                const Pose& pose, double reach, bool signs, bool any) {
+                                                const Similarity& pose, double reach, bool signs, bool any) {
   std::vector<std::optional<double>> all(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
     Foot foot;

@@ -1,4 +1,4 @@
-// The motion of samples onto a surface, from a start that is near.
+// Fits samples to a surface by a motion, from a nearby start.
 #pragma once
 
 #include <cstddef>
@@ -12,50 +12,52 @@ namespace sansmesh::inline v1::detail {
 
 struct PoseFitOptions {
   int iterations = 40;
-  double reach = 0;        ///< farthest distance that counts at first (0: what holds most of the samples)
-  double least_reach = 0;  ///< and at last
+  double reach = 0;        ///< initial largest distance (0: one that contains most samples)
+  double least_reach = 0;  ///< final largest distance
   bool scale = false;
-  bool signs = true;        ///< normals that look the other way do not belong together
-  double last_step = 1e-6;  ///< root mean square of the motion of samples; a shorter step is the last,
-                            ///< not counting motions that the distances do not tell
+  bool signs = true;  ///< opposite normals do not match
+  /// Least rms motion of the samples per step, apart from motions that the distances do not determine; a smaller step
+  /// is the last.
+  double last_step = 1e-6;
 };
 
-/// A motion of which less than this shows in the distances is not told by them.
-constexpr double kToldShare = 3e-4;
+/// Motions that change the distances by less than this share are undetermined.
+constexpr double kDeterminedShare = 3e-4;
 
 struct FitResult {
-  Pose pose;
+  Similarity pose;
   int iterations = 0;
-  double reach = 0;  ///< at last
-  /// Share of each independent motion that shows in the distances, ascending; of the last step.
-  std::vector<double> told;
+  double reach = 0;  ///< final largest distance
+  /// Share of each independent motion that the distances determine, ascending; of the last step.
+  std::vector<double> determined;
 };
 
-/// Whether two normals belong together: less than 60° apart, or opposite unless `signs`. Unknown normals do.
+/// Whether two normals match: less than 60° apart, or opposite unless `signs`. Unknown normals match.
 bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 
-/// Gauss and Newton's steps on the distances to the surface's tangent planes, by Tukey's weights.
-/// `closest(place, reach, foot)` finds the surface: a SampleSurface or a WholeSurface.
+/// Gauss–Newton on the distances to the tangent planes of the surface, with Tukey weights. `closest(place, reach,
+/// foot)` evaluates the surface: a SampleSurface or a WholeSurface.
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start,
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
                    const PoseFitOptions& options);
-extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const PoseFitOptions&);
-extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&,
+                                   const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&,
+                                   const PoseFitOptions&);
 
-/// How well samples lie on a surface: the mean over all of (1 − (distance / reach)²)², of those that do.
+/// Overlap of two surfaces, 0..1: the mean, over the samples of both, of (1 − (distance / reach)²)², which is 0 for
+/// samples off the other surface.
 template <class Surface>
-double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs);
-extern template double share_on(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-extern template double share_on(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
-/// The same for samples of the fixed surface on the moving one.
-template <class Surface>
-double share_back(const OrientedPoints& fixed, const Surface& moving, const Pose& pose, double reach, bool signs);
-extern template double share_back(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-extern template double share_back(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+double mutual_overlap(const OrientedPoints& moving, const Surface& fixed_surface, const OrientedPoints& fixed,
+                      const Surface& moving_surface, const Similarity& pose, double reach, bool signs);
+extern template double mutual_overlap(const OrientedPoints&, const SampleSurface&, const OrientedPoints&,
+                                      const SampleSurface&, const Similarity&, double, bool);
+extern template double mutual_overlap(const OrientedPoints&, const WholeSurface&, const OrientedPoints&,
+                                      const WholeSurface&, const Similarity&, double, bool);
 
-/// Of each sample the distance to the surface; nothing where they do not belong together. `any`: whatever its
-/// distance, and whether or not it is beyond the border.
+/// Distance of each sample to the surface; nothing for samples that do not match. `any`: at any distance, and beyond
+/// borders.
 std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, const WholeSurface& fixed,
-                                                const Pose& pose, double reach, bool signs, bool any);
+                                                const Similarity& pose, double reach, bool signs, bool any);
 
 }  // namespace sansmesh::inline v1::detail

@@ -12,65 +12,51 @@
 #include "sansmesh/mesh/align/align_fit.h"
 #include "sansmesh/points/point_features.h"
 #include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/subsample.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kWantedSamples = 2500;  // of the smaller side
-constexpr double kMostSamples = 12000;   // of the larger
+constexpr double kWantedSamples = 2500;  // samples of the smaller surface
+constexpr double kMostSamples = 12000;   // samples of the larger surface
 constexpr std::size_t kRotations = 480;
 constexpr std::size_t kOfScore = 250, kOfFit = 900;
 constexpr double kFeatureReach = 5, kNormalBlur = 2;  // in spacings
 constexpr std::size_t kMostMatches = 1200;
-constexpr double kPairTolerance = 1.5;  // of lengths, in spacings
-constexpr double kPairAngle = 0.35;     // of normals, radians
+constexpr double kPairTolerance = 1.5;  // tolerance of lengths, in spacings
+constexpr double kPairAngle = 0.35;     // tolerance of angles between normals, radians
 constexpr double kMatchReach = 2;       // in spacings
-constexpr double kLeastPair = 4;        // length, in spacings
+constexpr double kLeastPair = 4;        // least distance of a pair, in spacings
 constexpr std::size_t kMostPairs = 200000, kPosesOfMatch = 12;
-constexpr double kCoarseReach = 3, kFineReach = 1.5;  // of scores, in spacings
+constexpr double kCoarseReach = 3, kFineReach = 1.5;  // for scores, in spacings
 constexpr std::size_t kKeptOfPairs = 60, kKeptOfRotations = 40, kKept = 14;
 
-/// Every so many-th.
-OrientedPoints thinned(const OrientedPoints& all, std::size_t most) {
-  OrientedPoints some;
-  const std::size_t count = std::min(all.size(), most);
-  for (std::size_t k = 0; k < count; ++k) {
-    // In the order of the samples neighbours follow each other: a step that shares no factor scatters them evenly.
-    some.x.push_back(all.x[k * all.size() / count]);
-    some.n.push_back(all.n[k * all.size() / count]);
-  }
-  return some;
-}
-
-/// Rotations in even steps, by a spiral on the sphere of quaternions (Alexa 2022, "Super-Fibonacci spirals").
-Pose spiral_rotation(std::size_t k, std::size_t count) {
+/// Evenly spaced rotations on a spiral in the space of quaternions (Alexa 2022, "Super-Fibonacci spirals").
+Similarity spiral_rotation(std::size_t k, std::size_t count) {
   const double phi = std::numbers::sqrt2, psi = 1.533751168755204288118041;
   const double s = static_cast<double>(k) + 0.5, t = s / static_cast<double>(count), d = 2 * std::numbers::pi * s;
   const double r = std::sqrt(t), q = std::sqrt(1 - t), alpha = d / phi, beta = d / psi;
   const double x = r * std::sin(alpha), y = r * std::cos(alpha), z = q * std::sin(beta), w = q * std::cos(beta);
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-          {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-          {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+  return {{Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+           Vec3{2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+           Vec3{2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}},
           1,
           {}};
 }
 
-/// The four rotations that bring one side's principal axes onto the other's.
-std::vector<Pose> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
+/// The four rotations that align the principal axes of both surfaces.
+std::vector<Similarity> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
   const auto axes_of = [](const OrientedPoints& p) {
     const std::vector<Vec3f> x(p.x.begin(), p.x.end());
     return principal_axes(moments(x).covariance);
   };
   const PrincipalAxes a = axes_of(moving), b = axes_of(fixed);
-  std::vector<Pose> all;
+  std::vector<Similarity> all;
   for (int flips = 0; flips < 4; ++flips) {
     const Vec3 u = b.axes[0] * (flips & 1 ? -1.0 : 1.0), v = b.axes[1] * (flips & 2 ? -1.0 : 1.0), w = cross(u, v);
     const Vec3 last = cross(a.axes[0], a.axes[1]);
-    Pose p;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 column = u * a.axes[0][k] + v * a.axes[1][k] + w * last[k];
-      (k == 0 ? p.x : k == 1 ? p.y : p.z) = column;
-    }
+    Similarity p;
+    for (std::size_t k = 0; k < 3; ++k) p.columns[k] = u * a.axes[0][k] + v * a.axes[1][k] + w * last[k];
     all.push_back(p);
   }
   return all;
@@ -80,14 +66,14 @@ struct Match {
   std::uint32_t moving, fixed;
 };
 
-/// Samples whose features are nearest to each other.
+/// Pairs of samples with mutually nearest features.
 std::vector<Match> match_features(const std::vector<PointFeature>& moving, const std::vector<PointFeature>& fixed) {
   const auto nearest = [](const std::vector<PointFeature>& of, const std::vector<PointFeature>& in) {
     std::vector<std::pair<std::uint32_t, float>> best(of.size());
     parallel_for(0, of.size(), 16, [&](std::size_t i) {
       float least = std::numeric_limits<float>::infinity();
       for (std::size_t j = 0; j < in.size(); ++j) {
-        // Four sums side by side: the compiler makes vectors of them, always in the same order.
+        // Several sums in parallel, so that the compiler vectorises them in a fixed order.
         std::array<float, 11> sum{};
         for (std::size_t k = 0; k < 33; k += 11)
           for (std::size_t l = 0; l < 11; ++l) {
@@ -107,12 +93,11 @@ std::vector<Match> match_features(const std::vector<PointFeature>& moving, const
   for (std::uint32_t i = 0; i < there.size(); ++i)
     if (back[there[i].first].first == i) mutual.emplace_back(there[i].second, Match{i, there[i].first});
   std::vector<Match> matches;
-  for (std::size_t k = 0; k < std::min(mutual.size(), kMostMatches); ++k)
-    matches.push_back(mutual[k * mutual.size() / std::min(mutual.size(), kMostMatches)].second);
+  for (const std::uint32_t k : evenly_spaced(mutual.size(), kMostMatches)) matches.push_back(mutual[k].second);
   return matches;
 }
 
-/// Right-handed, unit axes: along the line between two places, and by their normals.
+/// Right-handed orthonormal axes from the line between two points and their normals.
 bool frame_of(const Vec3& d, const Vec3& n, Vec3 (&axes)[3]) {
   axes[0] = normalized(d);
   const Vec3 across = n - axes[0] * dot(n, axes[0]);
@@ -124,13 +109,13 @@ bool frame_of(const Vec3& d, const Vec3& n, Vec3 (&axes)[3]) {
 
 double angle_of(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(dot(a, b), -1.0, 1.0)); }
 
-/// Poses from pairs of matches that are as far apart, and turned to each other, on both sides; by how many other
-/// matches agree.
+/// Poses from pairs of matches with equal distances and relative orientations on both surfaces, scored by the number of
+/// other matches that agree.
 std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const OrientedPoints& fixed,
                                         const std::vector<Match>& matches, double spacing, bool scale) {
   const std::size_t n = matches.size();
   if (n < 3) return {};
-  // All pairs, or a fixed choice: a step of the square of places that shares no factor with it.
+  // All pairs, or a fixed selection at equal steps.
   const std::uint64_t all = static_cast<std::uint64_t>(n) * (n - 1) / 2;
   const std::uint64_t every = std::max<std::uint64_t>(1, all / (4 * kMostPairs));
   std::vector<std::vector<FoundPose>> of_first(n);
@@ -152,11 +137,10 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       Vec3 from[3], to[3];
       if (!frame_of(d, na + nb, from) || !frame_of(e, ma + mb, to)) continue;
       FoundPose found;
-      Pose& p = found.pose;
-      for (std::size_t k = 0; k < 3; ++k)
-        (k == 0 ? p.x : k == 1 ? p.y : p.z) = to[0] * from[0][k] + to[1] * from[1][k] + to[2] * from[2][k];
+      Similarity& p = found.pose;
+      for (std::size_t k = 0; k < 3; ++k) p.columns[k] = to[0] * from[0][k] + to[1] * from[1][k] + to[2] * from[2][k];
       p.scale = scale ? factor : 1;
-      p.shift =
+      p.translation =
           (fixed.x[a.fixed] + fixed.x[b.fixed]) / 2 - p.turn((moving.x[a.moving] + moving.x[b.moving]) / 2) * p.scale;
       const double reach = kMatchReach * spacing;
       for (const Match& m : matches) {
@@ -166,22 +150,19 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       if (found.score >= 3) of_first[i].push_back(found);
       if (of_first[i].size() >= kPosesOfMatch) break;
     }
-    // Those of one match hardly differ.
-    std::stable_sort(of_first[i].begin(), of_first[i].end(),
-                     [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+    // Poses from the same match hardly differ.
+    std::stable_sort(of_first[i].begin(), of_first[i].end());
     if (of_first[i].size() > 4) of_first[i].resize(4);
   });
   std::vector<FoundPose> found;
   for (const auto& part : of_first) found.insert(found.end(), part.begin(), part.end());
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+  std::stable_sort(found.begin(), found.end());
   return found;
 }
 
 void keep_different(std::vector<FoundPose>& found, const AlignSide& moving, double angle, double distance,
                     std::size_t most) {
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+  std::stable_sort(found.begin(), found.end());
   std::vector<FoundPose> kept;
   for (const FoundPose& f : found) {
     if (kept.size() >= most) break;
@@ -194,7 +175,7 @@ void keep_different(std::vector<FoundPose>& found, const AlignSide& moving, doub
 
 }  // namespace
 
-bool nearly_same(const Pose& a, const Pose& b, const AlignSide& moving, double angle, double distance) {
+bool nearly_same(const Similarity& a, const Similarity& b, const AlignSide& moving, double angle, double distance) {
   return angle_between(a, b) < angle && norm(a(moving.centroid) - b(moving.centroid)) < distance &&
          std::abs(std::log(a.scale / b.scale)) < 0.1;
 }
@@ -213,36 +194,34 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
                                     bool scale, Progress& progress) {
   const double spacing = samples.spacing;
   const SampleSurface target(samples.fixed, spacing), source(samples.moving, spacing);
-  const OrientedPoints few_moving = thinned(samples.moving, kOfScore), few_fixed = thinned(samples.fixed, kOfScore);
-  const OrientedPoints many_moving = thinned(samples.moving, kOfFit), many_fixed = thinned(samples.fixed, kOfFit);
+  const OrientedPoints few_moving = samples.moving.some(kOfScore), few_fixed = samples.fixed.some(kOfScore);
+  const OrientedPoints many_moving = samples.moving.some(kOfFit), many_fixed = samples.fixed.some(kOfFit);
   std::vector<FoundPose> found;
 
-  progress.begin("turn every way", kRotations);
+  progress.begin("try rotations", kRotations);
   {
     std::vector<FoundPose> turned(kRotations + 4);
-    const std::vector<Pose> principal = principal_rotations(samples.moving, samples.fixed);
+    const std::vector<Similarity> principal = principal_rotations(samples.moving, samples.fixed);
     PoseFitOptions fit;
     fit.iterations = 8;
     fit.least_reach = kCoarseReach * spacing;
     fit.signs = samples.signs;
     parallel_for(0, turned.size(), 1, [&](std::size_t k) {
-      Pose p = k < kRotations ? spiral_rotation(k, kRotations) : principal[k - kRotations];
+      Similarity p = k < kRotations ? spiral_rotation(k, kRotations) : principal[k - kRotations];
       p.scale = scale ? fixed.radius / moving.radius : 1;
-      p.shift = fixed.centroid - p.turn(moving.centroid) * p.scale;
+      p.translation = fixed.centroid - p.turn(moving.centroid) * p.scale;
       FoundPose& f = turned[k];
       f.pose = fit_pose(few_moving, target, p, fit).pose;
-      f.score = (share_on(few_moving, target, f.pose, kCoarseReach * spacing, samples.signs) +
-                 share_back(few_fixed, source, f.pose, kCoarseReach * spacing, samples.signs)) /
-                2;
+      f.score = mutual_overlap(few_moving, target, few_fixed, source, f.pose, kCoarseReach * spacing, samples.signs);
       progress.advance();
     });
     keep_different(turned, moving, 0.2, 4 * spacing, kKeptOfRotations);
     found = std::move(turned);
   }
 
-  progress.begin("look for like places");
+  progress.begin("match features");
   for (const double sign : {1.0, -1.0}) {
-    if (sign < 0 && samples.signs) break;  // which side is which is known
+    if (sign < 0 && samples.signs) break;  // the sides are known
     OrientedPoints flipped = samples.moving;
     for (Vec3& n : flipped.n) n = n * sign;
     const std::vector<Match> matches =
@@ -253,7 +232,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
     found.insert(found.end(), of_pairs.begin(), of_pairs.end());
   }
 
-  progress.begin("try the best of them", found.size());
+  progress.begin("refine poses", found.size());
   PoseFitOptions fit;
   fit.iterations = 25;
   fit.reach = 2 * kCoarseReach * spacing;
@@ -264,9 +243,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   parallel_for(0, found.size(), 1, [&](std::size_t k) {
     FoundPose& f = found[k];
     f.pose = fit_pose(many_moving, target, f.pose, fit).pose;
-    f.score = (share_on(many_moving, target, f.pose, kFineReach * spacing, samples.signs) +
-               share_back(many_fixed, source, f.pose, kFineReach * spacing, samples.signs)) /
-              2;
+    f.score = mutual_overlap(many_moving, target, many_fixed, source, f.pose, kFineReach * spacing, samples.signs);
     progress.advance();
   });
   keep_different(found, moving, 0.1, 2 * spacing, kKept);

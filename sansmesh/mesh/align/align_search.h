@@ -1,4 +1,4 @@
-// Poses of one surface on another, looked for everywhere.
+// Global search for poses of one surface on another.
 #pragma once
 
 #include <vector>
@@ -8,26 +8,28 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Even samples of both sides, as far apart as each other.
+/// Even samples of both surfaces with the same spacing.
 struct SearchSamples {
   OrientedPoints moving, fixed;
   double spacing = 0;
-  bool signs = true;  ///< the normals of both tell the sides of the surface
+  bool signs = true;  ///< the normals of both surfaces have known signs
 };
 
 SearchSamples search_samples(const AlignSide& moving, const AlignSide& fixed);
 
 struct FoundPose {
-  Pose pose;
-  double score = 0;  ///< mean of the shares of both surfaces that lie on each other, 0..1
+  Similarity pose;
+  double score = 0;  ///< mean overlap of both surfaces, 0..1
+  /// Best first.
+  friend bool operator<(const FoundPose& a, const FoundPose& b) { return a.score > b.score; }
 };
 
-/// The best ones, best first, no two of which are nearly the same: by rotations in even steps about the middle, and by
-/// pairs of places with like features. `scale`: of any size.
+/// Best distinct poses, best first, from evenly spaced rotations about the centre and from pairs of points with similar
+/// features. `scale`: of any size.
 std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fixed, const SearchSamples& samples,
                                     bool scale, Progress& progress);
 
-/// Whether two poses put the samples at about the same places.
-bool nearly_same(const Pose& a, const Pose& b, const AlignSide& moving, double angle, double distance);
+/// Whether two poses move the samples to nearly the same positions.
+bool nearly_same(const Similarity& a, const Similarity& b, const AlignSide& moving, double angle, double distance);
 
 }  // namespace sansmesh::inline v1::detail

@@ -9,28 +9,30 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/subsample.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kFewest = 20;
-constexpr std::size_t kDense = 60000;  // samples that describe a side
-constexpr std::size_t kMeanPlane = 5;  // of whose neighbours the tangent plane is the mean
-/// A place farther aside than this from the nearest sample, in spacings, is beyond the border.
+constexpr std::size_t kDense = 60000;  // samples that describe a surface
+constexpr std::size_t kMeanPlane = 5;  // neighbours averaged for a tangent plane
+/// Lateral distance from the nearest sample, in spacings, beyond which a point is beyond the border.
 constexpr double kAsideOverSpacing = 1.5;
 constexpr std::size_t kOfBlur = 16;
 constexpr double kFirstSpacing = 0.06;
 constexpr double kLeastCrowd = 0.15;
-/// Share of the edges whose faces may contradict each other where the others tell the sides of a mesh.
+/// Largest share of inconsistent edges of a mesh with meaningful sides.
 constexpr double kFewContradictions = 0.02;
-/// Over the area to the power of 3/2: less is rounding.
+/// Volume over area^(3/2) below which only rounding is left.
 constexpr double kNoVolume = 1e-7;
 
 std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
@@ -40,15 +42,7 @@ std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
   return floats;
 }
 
-/// Evenly many of a list of numbers.
-std::vector<std::uint32_t> some_of(std::size_t n, std::size_t most) {
-  const std::size_t count = std::min(n, most);
-  std::vector<std::uint32_t> chosen(count);
-  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
-  return chosen;
-}
-
-/// Not where faces contradict each other, or all lie back to back: which of them is nearest says nothing then.
+/// False if faces contradict each other or are back to back, since the nearest face is then arbitrary.
 bool tells_sides(const TriangleMesh& mesh) {
   const MeshTopology t = measure_topology(mesh);
   if (static_cast<double>(t.inconsistent_edges) > kFewContradictions * static_cast<double>(t.edges)) return false;
@@ -56,7 +50,7 @@ bool tells_sides(const TriangleMesh& mesh) {
   double volume = 0, area = 0;
   const Vec3 base(mesh.vertices[0]);
   for (const Triangle& face : mesh.triangles) {
-    if (!is_whole(mesh, face)) continue;
+    if (!has_valid_corners(mesh.vertices, face)) continue;
     const Vec3 a = Vec3(mesh.vertices[face[0]]) - base, doubled = doubled_area(mesh.vertices, face);
     volume += dot(a, doubled) / 6;
     area += norm(doubled) / 2;
@@ -66,20 +60,20 @@ bool tells_sides(const TriangleMesh& mesh) {
 
 bool has_triangles(const TriangleMesh& mesh) {
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-    return is_whole(mesh, t) && squared_norm(doubled_area(mesh.vertices, t)) > 0;
+    return has_valid_corners(mesh.vertices, t) && squared_norm(doubled_area(mesh.vertices, t)) > 0;
   });
 }
 
-/// Of the places that count: corners of triangles, or all points.
+/// Positions of triangle corners, or of all points.
 std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), mesh.triangles.empty() ? 1 : 0);
   for (const Triangle& t : mesh.triangles)
-    if (is_whole(mesh, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+    if (has_valid_corners(mesh.vertices, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i] && is_finite(mesh.vertices[i])) places.emplace_back(mesh.vertices[i]);
   std::vector<Vec3> some;
-  for (const std::uint32_t i : some_of(places.size(), most)) some.push_back(places[i]);
+  for (const std::uint32_t i : evenly_spaced(places.size(), most)) some.push_back(places[i]);
   return some;
 }
 
@@ -90,7 +84,7 @@ void append(const PointSet& cloud, OrientedPoints& points) {
   }
 }
 
-/// Points that have hardly any others near belong to no surface.
+/// Removes points with hardly any neighbours.
 void drop_strays(OrientedPoints& points, double radius) {
   const std::vector<Vec3f> x = to_floats(points.x);
   const KdTree tree(x);
@@ -105,7 +99,7 @@ void drop_strays(OrientedPoints& points, double radius) {
   if (kept.size() >= kFewest) points = std::move(kept);
 }
 
-/// Normals of faces are noisy where vertices are.
+/// Smooths the normals of faces, which are as noisy as the vertices.
 void blur_normals(OrientedPoints& points) {
   const std::vector<Vec3f> x = to_floats(points.x);
   const KdTree tree(x);
@@ -123,18 +117,10 @@ void blur_normals(OrientedPoints& points) {
 
 }  // namespace
 
-Pose rotation_by_vector(const Vec3& w) {
-  const double angle = norm(w);
-  const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), 1, {}};
-}
-
-double angle_between(const Pose& a, const Pose& b) {
-  const double trace = dot(a.x, b.x) + dot(a.y, b.y) + dot(a.z, b.z);
-  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0));
+OrientedPoints OrientedPoints::some(std::size_t most) const {
+  OrientedPoints some;
+  for (const std::uint32_t i : evenly_spaced(size(), most)) some.x.push_back(x[i]), some.n.push_back(n[i]);
+  return some;
 }
 
 SampleSurface::SampleSurface(OrientedPoints points, double spacing) : points_(std::move(points)), spacing_(spacing) {
@@ -172,16 +158,16 @@ WholeSurface::WholeSurface(const TriangleMesh& mesh, const OrientedPoints& point
     return;
   }
   triangles_ = std::make_unique<ClosestTriangle>(mesh);
-  const PlaceEdges edges = edges_by_place(mesh);
+  const PositionEdges edges = edges_by_position(mesh);
   border_edge_.assign(mesh.triangles.size(), 0);
   border_vertex_.assign(mesh.vertices.size(), 0);
-  for (const PlaceEdges::Edge& e : edges.edges) {
+  for (const PositionEdges::Edge& e : edges.edges) {
     if (e.count != 1) continue;
     const std::uint32_t corner = edges.corners[e.first];
     border_edge_[corner / 3] |= static_cast<std::uint8_t>(1u << corner % 3);
     border_vertex_[e.a] = border_vertex_[e.b] = 1;
   }
-  for (std::size_t v = 0; v < border_vertex_.size(); ++v) border_vertex_[v] = border_vertex_[edges.place[v]];
+  for (std::size_t v = 0; v < border_vertex_.size(); ++v) border_vertex_[v] = border_vertex_[edges.representative[v]];
 }
 
 bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {
@@ -216,7 +202,7 @@ bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {
   return true;
 }
 
-void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, double& size) {
+LocalFrame measure_side(const TriangleMesh& mesh, const char* name) {
   const std::vector<Vec3> places = places_that_count(mesh, kDense);
   if (places.size() < (mesh.triangles.empty() ? kFewest : 4))
     throw DataError(std::string("the ") + name + " surface has too few points to be aligned");
@@ -230,26 +216,23 @@ void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, doub
   std::vector<double> far;
   far.reserve(places.size());
   for (const Vec3& p : places) far.push_back(norm(p - middle));
-  origin = mesh.origin + middle;
-  const auto at = far.begin() + static_cast<std::ptrdiff_t>(far.size() * 3 / 4);
-  std::nth_element(far.begin(), at, far.end());
-  size = *at;
+  const double size = nth_smallest(far, far.size() * 3 / 4);
   if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
+  return {mesh.origin + middle, size};
 }
 
-AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
+AlignSide prepare_side(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most, const char* name,
                        Progress& progress) {
   AlignSide side;
-  side.origin = origin, side.unit = unit;
-  const Vec3 shift = mesh.origin - origin;
-  const auto own = [&](const Vec3f& p) { return (Vec3(p) + shift) / unit; };
+  const Vec3 shift = mesh.origin - frame.origin;
+  const auto own = [&](const Vec3f& p) { return (Vec3(p) + shift) / frame.unit; };
   side.is_mesh = has_triangles(mesh);
   side.has_sides = side.is_mesh ? tells_sides(mesh) : !mesh.normals.empty();
   if (side.is_mesh) {
     side.mesh.vertices.reserve(mesh.vertices.size());
     for (const Vec3f& p : mesh.vertices) side.mesh.vertices.push_back(Vec3f(own(p)));
     side.mesh.triangles = mesh.triangles;
-    std::erase_if(side.mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
+    std::erase_if(side.mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
     for (const FaceSample& s : sample_triangles(side.mesh.vertices, side.mesh.triangles, kDense)) {
       side.dense.x.push_back(s.position);
       side.dense.n.emplace_back(s.normal);
@@ -262,18 +245,18 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
       if (is_finite(mesh.vertices[i])) finite.push_back(static_cast<std::uint32_t>(i));
     const bool given = !mesh.normals.empty();
-    for (const std::uint32_t k : some_of(finite.size(), given ? finite.size() : std::max(most, kDense))) {
+    for (const std::uint32_t k : evenly_spaced(finite.size(), given ? finite.size() : std::max(most, kDense))) {
       cloud.positions.push_back(Vec3f(own(mesh.vertices[finite[k]])));
       if (given) cloud.normals.push_back(mesh.normals[finite[k]]);
     }
     PointSet dense;
     try {
       if (!given) estimate_normals(cloud, {}, progress);
-      for (const std::uint32_t i : some_of(cloud.size(), kDense)) {
+      for (const std::uint32_t i : evenly_spaced(cloud.size(), kDense)) {
         dense.positions.push_back(cloud.positions[i]);
         dense.normals.push_back(cloud.normals[i]);
       }
-      // Only the search elsewhere asks for the sides of estimated normals, and of these samples.
+      // Only the global search needs consistent signs of estimated normals, for these samples.
       if (!given) orient_normals(dense, {}, progress);
     } catch (const DataError&) {
       throw DataError(std::string("the ") + name + " surface has no normals, and none can be estimated");
@@ -290,10 +273,10 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
   for (const Vec3& p : even.x) side.centroid += p / static_cast<double>(even.size());
   for (const Vec3& p : even.x) side.radius += squared_norm(p - side.centroid);
   side.radius = std::sqrt(side.radius / static_cast<double>(even.size()));
-  // The samples are finer than the larger of both: of the smaller one there may be one.
+  // The sample spacing is derived from the larger surface: the smaller one may have a single sample.
   if (!(side.radius > 0))
     throw DataError(std::string("the ") + name +
-                    " surface is too small beside the other (`find_scale` finds a factor)");
+                    " surface is too small relative to the other (`find_scale` estimates the scale)");
   return side;
 }
 

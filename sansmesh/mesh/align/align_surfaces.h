@@ -1,4 +1,4 @@
-// One surface moved onto another.
+// Alignment of one surface with another.
 #pragma once
 
 #include <cstddef>
@@ -15,16 +15,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// From this share of `differing` on two surfaces are not of the same shape.
+/// Share of `differing` above which two surfaces have different shapes.
 constexpr double kOtherShape = 0.1;
 
-/// Finds the motion that brings samples of `moving` onto the surface of `fixed` (its triangles, or the tangent planes
-/// of its points): distances from sample to surface, weighted down by Tukey's function of a width that follows the
-/// median, until they do not fall any more [chen1992], [rusinkiewicz2019]. Samples beyond borders and such with another
-/// normal do not count, so that a part fits onto the whole, and two parts that overlap onto each other. From anywhere:
-/// 480 rotations about the middle, and pairs of places with like features [rusu2009]; the poses in which most of both
-/// surfaces lie on each other are searched from. The same for any number of threads. Points without normals get
-/// estimated ones. Throws DataError where a side has fewer than 20 finite points, or no extent.
+/// Finds the motion that aligns samples of `moving` with the surface of `fixed` (its triangles, or the tangent planes
+/// of its points). Minimises distances from samples to the surface with Tukey weights whose width follows the median
+/// distance, until convergence [chen1992], [rusinkiewicz2019]. Ignores samples beyond borders and samples with another
+/// normal, so that a part can be aligned with the whole, and overlapping parts with each other. The global search tries
+/// 480 rotations about the centre and pairs of points with similar features [rusu2009], and refines the poses with the
+/// largest overlap. Independent of the number of threads. Estimates missing normals. Throws DataError if a surface has
+/// fewer than 20 finite points, or no extent.
 SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& fixed,
                                 const SurfaceAlignmentOptions& options, Progress& progress);
 

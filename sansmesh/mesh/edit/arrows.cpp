@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// An arrow from 0 to (0, 0, 1), which all are made of.
+/// Arrow from 0 to (0, 0, 1), transformed for each vector.
 struct ArrowTemplate {
   std::vector<Vec3> positions, normals;
   std::vector<Triangle> triangles;

@@ -1,17 +1,19 @@
 #include "sansmesh/mesh/edit/clip_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/repair/components.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Keeps what is at height 0 or above; new vertices are placed by `place(position)` in the end.
+/// Keeps the part with height >= 0; `place(position)` corrects new vertices.
 template <class Place>
 class HeightCut {
  public:
@@ -21,7 +23,7 @@ class HeightCut {
   void run() {
     if (std::none_of(heights_.begin(), heights_.end(), [](float h) { return h < 0; })) return;
     std::vector<Triangle> kept;
-    std::vector<std::uint32_t> of;  // the triangle that each was part of
+    std::vector<std::uint32_t> of;  // original triangle of each part
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
       cut(mesh_.triangles[i], kept);
       of.resize(kept.size(), static_cast<std::uint32_t>(i));
@@ -31,7 +33,7 @@ class HeightCut {
   }
 
  private:
-  /// The vertex where the edge from an inner to an outer vertex crosses height 0.
+  /// Vertex where the edge from an inner to an outer vertex crosses height 0.
   std::uint32_t crossing(std::uint32_t in, std::uint32_t out) {
     if (heights_[in] == 0) return in;
     const auto [entry, is_new] = made_.try_emplace(std::uint64_t{in} << 32 | out, 0);
@@ -65,7 +67,7 @@ class HeightCut {
   std::unordered_map<std::uint64_t, std::uint32_t> made_;
 };
 
-/// Keeps the side of a plane across `axis` where sign · (x − at) >= 0.
+/// Keeps the side of a plane perpendicular to `axis` where sign · (x − at) >= 0.
 void cut_by_plane(TriangleMesh& mesh, std::size_t axis, float at, float sign) {
   std::vector<float> heights(mesh.vertices.size());
   for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = sign * (mesh.vertices[v][axis] - at);
@@ -73,8 +75,8 @@ void cut_by_plane(TriangleMesh& mesh, std::size_t axis, float at, float sign) {
   HeightCut(mesh, std::move(heights), place).run();
 }
 
-/// Divides triangles along the planes of a box, those alone that may reach into it, and their neighbours where an edge
-/// in common is divided.
+/// Divides triangles along the planes of a box: those that may intersect it, and neighbours with a divided edge in
+/// common.
 class BoxCutOut {
  public:
   BoxCutOut(TriangleMesh& mesh, const Box3f& box) : mesh_(mesh), box_(box) {}
@@ -97,10 +99,6 @@ class BoxCutOut {
   }
 
  private:
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-  }
-
   void divide(std::size_t axis, float at, float sign) {
     const auto height = [&](std::uint32_t v) { return sign * (mesh_.vertices[v][axis] - at); };
     std::unordered_map<std::uint64_t, std::uint32_t> made;
@@ -110,7 +108,7 @@ class BoxCutOut {
         const std::uint32_t b = std::max(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]);
         const float ha = height(a), hb = height(b);
         if (!((ha < 0 && hb > 0) || (ha > 0 && hb < 0))) continue;
-        const auto [entry, is_new] = made.try_emplace(key(a, b), 0);
+        const auto [entry, is_new] = made.try_emplace(edge_key(a, b), 0);
         if (!is_new) continue;
         const float t = ha / (ha - hb);
         Vec3f x = mesh_.vertices[a] + (mesh_.vertices[b] - mesh_.vertices[a]) * t;
@@ -122,7 +120,7 @@ class BoxCutOut {
     std::vector<std::uint32_t> of;
     const auto add = [&](std::size_t i, const Triangle& t) {
       const bool below = height(t[0]) < 0 || height(t[1]) < 0 || height(t[2]) < 0;
-      // One that lies in the plane has nothing inside.
+      // A triangle in the plane has no inner part.
       const bool flat = !(height(t[0]) > 0 || height(t[1]) > 0 || height(t[2]) > 0);
       triangles.push_back(t);
       inside.push_back(inside_[i] && !below && !flat);
@@ -133,7 +131,7 @@ class BoxCutOut {
       std::array<std::uint32_t, 3> cut{};
       std::size_t cuts = 0;
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto found = made.find(key(t[k], t[(k + 1) % 3]));
+        const auto found = made.find(edge_key(t[k], t[(k + 1) % 3]));
         cut[k] = found == made.end() ? kNoVertex : found->second;
         cuts += cut[k] != kNoVertex;
       }
@@ -143,10 +141,10 @@ class BoxCutOut {
         const std::size_t k = cut[0] != kNoVertex ? 0 : cut[1] != kNoVertex ? 1 : 2;
         add(i, {t[k], cut[k], t[(k + 2) % 3]});
         add(i, {cut[k], t[(k + 1) % 3], t[(k + 2) % 3]});
-      } else {  // a corner, and four corners as two triangles; a plane does not cross three edges
+      } else {  // one corner, and a quadrilateral as two triangles; a plane does not cross three edges
         const std::size_t k = cut[0] == kNoVertex   ? 2
                               : cut[1] == kNoVertex ? 0
-                                                    : 1;  // between the edges before it, k - 1, and k
+                                                    : 1;  // corner between the edges k − 1 and k
         const std::uint32_t before = cut[(k + 2) % 3], after = cut[k];
         add(i, {t[k], after, before});
         add(i, {before, after, t[(k + 1) % 3]});
@@ -161,13 +159,13 @@ class BoxCutOut {
 
   TriangleMesh& mesh_;
   Box3f box_;
-  std::vector<std::uint8_t> inside_;  ///< of each triangle: of all planes until now
+  std::vector<std::uint8_t> inside_;  ///< per triangle: inside all planes so far
 };
 
-/// Moves vertices close to the contour onto it, along the edge that crosses it nearest to them.
+/// Moves vertices close to the contour onto it, along the edge with the nearest crossing.
 void snap_to_contour(TriangleMesh& mesh, std::vector<float>& heights, float snap) {
   struct Move {
-    float share = 1;  ///< of the edge
+    float share = 1;  ///< fraction of the edge
     Vec3f to;
   };
   std::unordered_map<std::uint32_t, Move> moves;
@@ -208,7 +206,7 @@ void cut_out_box(TriangleMesh& mesh, const Box3f& box) {
 void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap) {
   snap_to_contour(mesh, heights, snap);
   const auto stay = [](Vec3f&) {};
-  // A triangle that has been moved onto the contour whole is not above it.
+  // A triangle moved entirely onto the contour is not above it.
   std::erase_if(mesh.triangles,
                 [&](const Triangle& t) { return heights[t[0]] <= 0 && heights[t[1]] <= 0 && heights[t[2]] <= 0; });
   HeightCut(mesh, std::move(heights), stay).run();

@@ -1,4 +1,4 @@
-// The part of a mesh that lies in a box, or outside, or where a function of its vertices is not negative.
+// Clips a mesh by a box or by the sign of a function on its vertices.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// Cuts the triangles along the faces of the box (relative to the mesh's origin) and drops what is outside: the result
-/// ends there in straight borders. Attributes of vertices are interpolated, those of triangles go to their parts.
+/// Keeps the part inside a box (relative to the mesh's origin), with straight borders on its faces. Interpolates vertex
+/// attributes; parts of triangles keep the attributes of the triangle.
 void clip_mesh(TriangleMesh& mesh, const Box3f& box);
 
-/// Cuts the triangles along the faces of the box (as clip_mesh) and drops what is inside. Triangles away from the box
-/// stay as they are.
+/// Removes the part inside a box (as clip_mesh). Triangles away from the box stay unchanged.
 void cut_out_box(TriangleMesh& mesh, const Box3f& box);
 
-/// Keeps what is above the contour where `heights`, one for each vertex and linear in between, pass zero. Vertices from
-/// which an edge crosses the contour within the share `snap` of its length (0..0.5) are moved onto it, those below no
-/// farther than they are from a vertex above: without slivers along the border.
+/// Keeps the part where `heights`, one per vertex and linear in between, are positive. To avoid slivers along the
+/// border, moves vertices onto the contour if an edge crosses it within the fraction `snap` (0..0.5) of its length;
+/// vertices below move no farther than to a vertex above.
 void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap);
 
 }  // namespace sansmesh::inline v1

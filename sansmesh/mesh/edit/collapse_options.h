@@ -1,4 +1,4 @@
-// What is asked of a simplification.
+// Options of mesh simplification.
 #pragma once
 
 #include <cstddef>
@@ -7,24 +7,25 @@
 namespace sansmesh::inline v1 {
 
 struct CollapseOptions {
-  /// Accepted root mean square distance of a vertex from the planes of the triangles it stands for (length, > 0).
+  /// Largest root mean square distance of a vertex from the planes of the triangles merged into it (length, > 0).
   double error = 0;
-  /// Less than that for single vertices (length, as many as vertices): what they are merged with has the least of all.
-  /// Empty: the same for all.
+  /// Smaller limits of individual vertices (length, one per vertex); a merged vertex has the least of them. Empty: no
+  /// further limits.
   std::span<const float> limits = {};
-  /// Go on with larger and larger errors until there are no more triangles than this, or none can go. 0: do not.
+  /// Continue with increasing errors until at most this number of triangles is left, or none can be removed. 0: do not
+  /// continue.
   std::size_t triangles = 0;
-  /// Leave the mesh as it is if only a smaller share than this of a sample of its vertices could go at first, 0..1:
-  /// then the search would cost more than it gains.
+  /// Leave the mesh unchanged if less than this share (0..1) of a sample of its vertices can be removed initially: the
+  /// search would cost more than it gains.
   double least_gain = 0;
-  /// Least shape 4√3 A / Σ l² (area A, edges l) of the triangles made: 1 equilateral, 0.56 with an angle of 20°, 0.3
-  /// with one of 10°. Triangles that are worse already need not become better. 0..0.9.
+  /// Least shape quality 4√3 A / Σ l² (area A, edges l) of new triangles: 1 equilateral, 0.56 with an angle of 20°, 0.3
+  /// with an angle of 10°. Triangles that are already worse need not improve. 0..0.9.
   double least_shape = 0.5;
-  /// First patch by patch (about 4000 vertices each), then what is left at their borders: several times faster for
-  /// large meshes. But how the triangles of a part lie then depends on where the patches end, so that a part simplified
-  /// by itself differs more from the same part of the whole. Not with `triangles`.
+  /// Simplify patches of about 4000 vertices first, then their borders: several times faster for large meshes. The
+  /// triangles then depend on the patch borders, so that a part simplified separately differs more from the same part
+  /// of the whole. Not with `triangles`.
   bool in_patches = false;
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError that names the field.
   void validate() const;
 };
 

@@ -4,31 +4,13 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/index_in.h"
-#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// The vertices along a curve that fills space.
-std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
-  const Box3 box = mesh.bounds_of();
-  const Vec3 size = box.size();
-  const double scale = (1u << 21) / std::max({size.x, size.y, size.z, 1e-300}) * 0.999;
-  std::vector<KeyIndex> keys(mesh.x.size());
-  parallel_for(0, keys.size(), 8192, [&](std::size_t v) {
-    const Vec3 at = (mesh.x[v] - box.lower) * scale;
-    const auto cell = [](double c) { return index_in<std::uint32_t>(c, 0, 0x1fffff); };
-    keys[v] = {morton_code(cell(at.x), cell(at.y), cell(at.z)), static_cast<unsigned>(v)};
-  });
-  parallel_sort(keys);
-  std::vector<std::uint32_t> order(mesh.x.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = keys[i].index;
-  return order;
-}
-
-/// `members`: consecutive in `order`; marks those whose edges were all within the patch.
+/// `members` are consecutive in `order`; marks those whose edges are all within the patch.
 void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members, const std::vector<std::uint32_t>& rank,
                     std::vector<std::uint8_t>& tried) {
   const std::uint32_t begin = rank[members[0]];
@@ -40,7 +22,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
       Triangle t = mesh.triangles[r];
       bool all = true;
       for (std::uint32_t& v : t) {
-        v = rank[v] - begin;  // those before the patch wrap round
+        v = rank[v] - begin;  // vertices before the patch wrap around
         all = all && v < members.size();
       }
       if (!all) {
@@ -78,7 +60,10 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
 }  // namespace
 
 std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progress) {
-  const std::vector<std::uint32_t> order = order_in_space(mesh);
+  const Box3 box = mesh.bounds_of();
+  const Vec3 size = box.size();
+  const double scale = (1u << 21) / std::max({size.x, size.y, size.z, 1e-300}) * 0.999;
+  const std::vector<std::uint32_t> order = space_order(mesh.x, box.lower, scale);
   std::vector<std::uint32_t> rank(order.size());
   parallel_for(0, order.size(), 8192, [&](std::size_t i) { rank[order[i]] = static_cast<std::uint32_t>(i); });
   std::vector<std::uint8_t> tried(mesh.x.size(), 0);
@@ -88,7 +73,7 @@ std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progr
                    tried);
   });
   mesh.pack_triangles();
-  std::fill(mesh.to.begin(), mesh.to.end(), kNoVertex);  // what was asked before is not true any more
+  std::fill(mesh.to.begin(), mesh.to.end(), kNoVertex);  // invalidates earlier results
   std::vector<std::uint32_t> open;
   mesh.left = 0;
   for (std::uint32_t v = 0; v < mesh.x.size(); ++v) {

@@ -1,4 +1,4 @@
-// Simplification of a mesh patch by patch.
+// Simplification of a mesh by patches.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// A patch has so many vertices: what belongs to them fits into a core's own cache.
+/// Vertices per patch: its data fits into the cache of one core.
 constexpr std::size_t kPatch = 4096;
 
-/// Collapses what lies within patches of kPatch vertices, each patch by itself: without looking beyond a core's cache
-/// and without taking turns with what is far away. Returns the vertices whose edges were not all tried: those at the
-/// borders of patches. The same for any number of threads.
+/// Collapses edges within patches of kPatch vertices, independently per patch: without cache misses or synchronisation
+/// with remote parts. Returns the vertices with untried edges, at the borders of patches. Independent of the number of
+/// threads.
 std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progress);
 
 }  // namespace sansmesh::inline v1::detail

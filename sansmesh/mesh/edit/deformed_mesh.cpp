@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/edit/deformed_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 
@@ -18,10 +20,6 @@ namespace {
 
 constexpr int kMostDeformRounds = 24;
 
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
 std::vector<Vec3> in_world(const Vec3& origin, std::span<const Vec3f> positions) {
   std::vector<Vec3> x;
   x.reserve(positions.size());
@@ -29,15 +27,14 @@ std::vector<Vec3> in_world(const Vec3& origin, std::span<const Vec3f> positions)
   return x;
 }
 
-/// What becomes of a direction at right angles to a surface: that of J^−T n with its length and the side that
-/// triangles turn to.
+/// Image of a surface normal: the direction of J^−T n, with the length of n, on the side to which triangles turn.
 Vec3f moved_normal(const Jacobian& j, const Vec3f& normal) {
   const Vec3 n(normal), m = cross(j[1], j[2]) * n.x + cross(j[2], j[0]) * n.y + cross(j[0], j[1]) * n.z;
   const double length = norm(m);
   return length > 0 && std::isfinite(length) ? Vec3f(m * (norm(n) / length)) : normal;
 }
 
-/// How far beside their places vertices are looked at; nothing where all are looked at where they are.
+/// Offsets for evaluating the map at the vertices; empty if all are zero.
 std::vector<Vec3> sides_of(const TriangleMesh& mesh) {
   const Attribute* const found = mesh.attributes.find(kCutSide);
   std::vector<Vec3> sides;
@@ -48,7 +45,7 @@ std::vector<Vec3> sides_of(const TriangleMesh& mesh) {
   return sides;
 }
 
-/// Positions and what is at right angles to the surface there, and the origin.
+/// Maps positions and surface normals, and updates the origin.
 void move_all(const SpaceMap& forward, Vec3& origin, std::vector<Vec3f>& positions, const std::vector<Vec3>& sides,
               std::span<std::vector<Vec3f>* const> normals, MeshDeformReport& report) {
   std::vector<Vec3> x = in_world(origin, positions);
@@ -74,10 +71,10 @@ void move_all(const SpaceMap& forward, Vec3& origin, std::vector<Vec3f>& positio
   for (std::size_t i = 0; i < x.size(); ++i) positions[i] = Vec3f(moved[i] - origin);
 }
 
-/// Cuts the edges that bend too much; false: not all.
+/// Bisects edges that bend too much; returns false if some remain.
 bool refine_bent(TriangleMesh& mesh, const SpaceMap& forward, const MeshDeformOptions& options) {
   std::vector<Vec3> moved;
-  std::unordered_map<std::uint64_t, bool> bends;  // of the edges of this round and those before
+  std::unordered_map<std::uint64_t, bool> bends;  // bent edges of this and previous rounds
   for (int round = 0; round < kMostDeformRounds; ++round) {
     const std::size_t known = moved.size();
     std::vector<Vec3> fresh = in_world(mesh.origin, std::span(mesh.vertices).subspan(known));
@@ -106,7 +103,7 @@ bool refine_bent(TriangleMesh& mesh, const SpaceMap& forward, const MeshDeformOp
     forward.map(middles, {images, {}, {}, {}});
     for (std::size_t i = 0; i < edges.size(); ++i) {
       const auto [a, b] = ends(edges[i]);
-      bends[edges[i]] = norm(images[i] - (moved[a] + moved[b]) * 0.5) > *options.bend;  // NaN: no
+      bends[edges[i]] = norm(images[i] - (moved[a] + moved[b]) * 0.5) > *options.bend;  // false for NaN
     }
     const auto added = split_edges(
         mesh, [&](std::uint32_t a, std::uint32_t b) { return bends.at(edge_key(a, b)); }, options.most_triangles);

@@ -12,12 +12,12 @@ namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kTurn = 0.5;     // least cosine between a triangle's normals before and after
-constexpr double kNoArea = 1e-6;  // twice the area / Σ l²: below, rounding decides where the normal points
+constexpr double kNoArea = 1e-6;  // twice the area / Σ l²; below it, rounding determines the normal
 
-using Link = std::array<std::uint32_t, 2>;  // the neighbours of a vertex in a triangle, the one after it first
+using Link = std::array<std::uint32_t, 2>;  // neighbours of a vertex in a triangle, the next one first
 
-/// The fan that triangles with these links are. only_with(w, end): the only one of them whose neighbour at that end is
-/// w; their number if there is none, or several.
+/// Classifies the fan of triangles with these links. only_with(w, end): the only triangle whose neighbour at that end
+/// is w; the number of triangles if there is none, or several.
 template <class OnlyWith>
 EdgeCollapses::Fan fan_of_links(std::span<const Link> link, const OnlyWith& only_with) {
   using Fan = EdgeCollapses::Fan;
@@ -37,9 +37,9 @@ EdgeCollapses::Fan fan_of_links(std::span<const Link> link, const OnlyWith& only
   return Fan::none;
 }
 
-/// The same for any number of links.
+/// Same, for any number of links.
 EdgeCollapses::Fan fan_of_many(std::span<const Link> link) {
-  std::array<std::vector<std::pair<std::uint32_t, std::size_t>>, 2> by;  // neighbour and triangle, in order
+  std::array<std::vector<std::pair<std::uint32_t, std::size_t>>, 2> by;  // sorted pairs of neighbour and triangle
   for (std::size_t end = 0; end < 2; ++end) {
     for (std::size_t k = 0; k < link.size(); ++k) by[end].emplace_back(link[k][end], k);
     std::sort(by[end].begin(), by[end].end());
@@ -118,7 +118,7 @@ void EdgeCollapses::prepare(std::uint32_t v) {
   fixed[v] = fan == Fan::none;
   border[v] = fan == Fan::open;
   quadric[v] = {};
-  std::vector<std::uint32_t> met;  // neighbours, as often as there are triangles with them; to count in rings is slow
+  std::vector<std::uint32_t> met;  // neighbours, once per triangle: counting in rings is slow
   if (border[v] && crowded(v)) {
     for (const std::uint32_t i : ring(v)) met.insert(met.end(), {after(triangles[i], v), before(triangles[i], v)});
     std::sort(met.begin(), met.end());
@@ -144,7 +144,7 @@ void EdgeCollapses::prepare(std::uint32_t v) {
     for (const std::uint32_t w : {after(t, v), before(t, v)}) {
       if (!at_border(w)) continue;
       const Vec3 along = x[w] - x[v], m = normalized(cross(along, n));
-      // The border counts in full: it adds to the error, but not to what that is a mean over.
+      // The border adds to the error with its full weight, but not to the weight that normalises the mean.
       const double weight = quadric[v].weight;
       quadric[v].add_plane(m, dot(m, x[v]), squared_norm(along));
       quadric[v].weight = weight;
@@ -260,7 +260,7 @@ void EdgeCollapses::find_cheapest(std::uint32_t v) {
     const double most = limit.empty() ? error : std::min<double>(error, std::min(limit[v], limit[w]));
     n += all[n].cost <= most * most;
   }
-  while (n > 0) {  // the costly tests only for the cheapest one, and for the next one if it fails
+  while (n > 0) {  // expensive tests only for the cheapest, then for the next one
     const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
       return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
     });
@@ -317,7 +317,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
       *std::find(begin, begin + valence[o], i) = begin[valence[o] - 1];
       --valence[o];
     }
-    t = {w, w, w};  // goes in the end
+    t = {w, w, w};  // removed at the end
   }
   first[w] = place;
   valence[w] = count;
@@ -338,8 +338,7 @@ void EdgeCollapses::collapse_in_turn() {
     find_cheapest(v);
     if (to[v] != kNoVertex) queue.emplace(key(v), v);
   };
-  // Those of which a cheaper collapse is blocked may have it after a change near them. To ask at every change would
-  // be most of the work.
+  // If a cheaper collapse is blocked, a change nearby may enable it. Retrying at every change would dominate the time.
   std::vector<std::uint32_t> later;
   std::vector<std::uint8_t> is_later(x.size(), 0);
   std::vector<std::uint32_t> hubs;
@@ -354,7 +353,7 @@ void EdgeCollapses::collapse_in_turn() {
     }
     const auto [k, v] = queue.top();
     queue.pop();
-    if (to[v] == kNoVertex || key(v) != k) continue;  // it found another one since
+    if (to[v] == kNoVertex || key(v) != k) continue;  // outdated
     const std::uint32_t w = to[v];
     if (!possible(v, measure(v, w))) {
       look(v);

@@ -1,5 +1,4 @@
-// Edges of a triangle mesh that are collapsed into a vertex: the mesh meanwhile, what each would cost, and the
-// collapse.
+// Edge collapses of a triangle mesh: the intermediate mesh, costs, and the operation.
 #pragma once
 
 #include <algorithm>
@@ -19,60 +18,60 @@
 
 namespace sansmesh::inline v1::detail {
 
-constexpr std::size_t kMostRing = 24;  ///< triangles around a vertex that is to be merged
+constexpr std::size_t kMostRing = 24;  ///< largest number of triangles around a vertex to be merged
 
-/// The mesh while it is simplified.
+/// Intermediate mesh of a simplification.
 struct EdgeCollapses {
   const CollapseOptions& options;
-  double error;  ///< accepted now
+  double error;  ///< current largest error
   std::vector<Vec3> x;
   std::vector<Quadric> quadric;
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> original;  ///< the number that each triangle had; filled before `pack_triangles`
-  /// By which those are put in order that cost the same. Of the place, so that it is the same for a part of the mesh.
+  std::vector<std::uint32_t> original;  ///< original number of each triangle; filled before `pack_triangles`
+  /// Tie-breaker for equal costs; derived from the position, so that it is the same for a part of the mesh.
   std::vector<std::uint32_t> chance;
-  std::vector<float> limit;  ///< of the error, by vertex; or empty
+  std::vector<float> limit;  ///< limit of the error per vertex, or empty
   std::vector<std::uint8_t> fixed;
-  std::vector<std::uint8_t> border;        ///< of vertices that are not fixed: on a border
-  std::vector<std::uint32_t> merged_into;  ///< kNoVertex: alive
-  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end; places
-  // that were given up go when they are as many as those in use.
+  std::vector<std::uint8_t> border;        ///< 1 for vertices on a border that are not fixed
+  std::vector<std::uint32_t> merged_into;  ///< kNoVertex: not merged
+  // Triangles around each vertex: around[first .. first + valence]. Merged rings are appended; pack_rings removes
+  // abandoned ones once they are as large as those in use.
   std::vector<std::size_t> first;
   std::vector<std::uint32_t> valence, around;
-  // The cheapest collapse of an edge from a vertex to one of higher index.
+  // Cheapest collapse of an edge from a vertex to one of higher index.
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
-  std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
-  std::vector<std::uint8_t> waits;    ///< crowded: 1, 2 while `note_hubs` has it; empty if none is
+  std::vector<std::uint8_t> blocked;  ///< a cheaper collapse failed the shape test: retry after changes
+  std::vector<std::uint8_t> waits;    ///< crowded: 1, or 2 while in the list of `note_hubs`; empty if none is
   std::size_t left, left_triangles;
 
   EdgeCollapses(const CollapseOptions& o, std::size_t vertices, std::vector<Triangle> all);
 
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return {around.data() + first[v], valence[v]}; }
 
-  /// Of the triangles as they are.
+  /// Builds the rings from the triangles.
   void build_rings();
 
-  /// Places for all rings, one after the other; returns where they end.
+  /// Computes consecutive positions for all rings; returns their end.
   std::size_t place_rings(std::vector<std::size_t>& place) const;
 
-  /// Gives up the places of rings that were merged, if they are as many as those of the rings that are left: each
-  /// collapse needs a place for two rings, and without this they would add up to three times the mesh.
+  /// Removes abandoned rings if they are as large as the current ones. Each collapse appends a ring as large as two, so
+  /// that without packing they would add up to three times the mesh.
   void pack_rings();
 
-  /// Leaves out the triangles that went, and makes the rings anew.
+  /// Removes collapsed triangles and rebuilds the rings.
   void pack_triangles();
 
-  /// Too many triangles to be merged: until collapses around it leave few enough it waits.
+  /// Whether a vertex has too many triangles to be merged: it waits until collapses around it reduce them.
   bool crowded(std::uint32_t v) const { return valence[v] > kMostRing; }
 
   bool is_waiting(std::uint32_t v) const { return !waits.empty() && waits[v] != 0; }
 
-  /// Fills in `waits`.
+  /// Fills `waits`.
   void note_crowded();
 
-  /// Appends the waiting vertices around w, into which another one merged, to `hubs`, each once. Their rings still have
-  /// the triangles that went, so that many edges around one may collapse at a time.
+  /// Appends each waiting vertex around w, the target of a collapse, once to `hubs`. Their rings keep the collapsed
+  /// triangles for now, so that many edges around one can collapse concurrently.
   void note_hubs(std::uint32_t w, std::vector<std::uint32_t>& hubs) {
     if (waits.empty()) return;
     for (const std::uint32_t i : ring(w))
@@ -80,7 +79,8 @@ struct EdgeCollapses {
         if (waits[u] == 1) waits[u] = 2, hubs.push_back(u);
   }
 
-  /// Takes those triangles out of the rings. Calls look(u) for those that need not wait any more, and their neighbours.
+  /// Removes collapsed triangles from the rings of `hubs`. Calls look(u) for vertices that no longer wait, and for
+  /// their neighbours.
   template <class Look>
   void settle_hubs(std::vector<std::uint32_t>& hubs, const Look& look) {
     for (const std::uint32_t u : hubs) {
@@ -96,15 +96,15 @@ struct EdgeCollapses {
     hubs.clear();
   }
 
-  /// The quadric of a vertex. Those of a border have planes along it, too, across the surface. Vertices whose triangles
-  /// are not one fan stay: what is not manifold. So do those of a triangle without area: it has no plane to hold them,
-  /// and no normal by which to see that it turns over, so a strip of such triangles along a crease would open like a
-  /// fan.
+  /// Computes the quadric of a vertex, at borders with additional planes along the border and perpendicular to the
+  /// surface. Fixes non-manifold vertices, whose triangles are not one fan, and vertices of triangles without area:
+  /// such a triangle has no plane to hold it and no normal to detect a flip, so a strip of them along a crease would
+  /// open like a fan.
   void prepare(std::uint32_t v);
 
   enum class Fan { none, closed, open };
 
-  /// Whether the triangles around a vertex are one fan.
+  /// Classifies the triangles around a vertex.
   Fan fan_of(std::uint32_t v) const;
 
   struct Collapse {
@@ -113,49 +113,49 @@ struct EdgeCollapses {
     Vec3 position;
   };
 
-  /// The vertex after v in a triangle: over a closed fan, each neighbour once.
+  /// Vertex after v in a triangle: over a closed fan, each neighbour occurs once.
   static std::uint32_t after(const Triangle& t, std::uint32_t v) { return t[0] == v ? t[1] : t[1] == v ? t[2] : t[0]; }
 
   static std::uint32_t before(const Triangle& t, std::uint32_t v) { return t[0] == v ? t[2] : t[1] == v ? t[0] : t[1]; }
 
   using Neighbours = std::array<std::uint32_t, kMostRing + 1>;
 
-  /// Each once; over an open fan there is one more than triangles. Returns how many.
+  /// Lists each neighbour once; an open fan has one more than triangles. Returns their number.
   std::size_t neighbours_of(std::uint32_t v, Neighbours& found) const;
 
-  /// How many triangles have the edge.
+  /// Number of triangles of an edge.
   std::size_t triangles_at(std::uint32_t v, std::uint32_t w) const;
 
-  /// Triangles that go with an edge.
+  /// Number of triangles that a collapse removes.
   std::size_t lost(std::uint32_t a, std::uint32_t b) const { return border[a] && border[b] ? 1 : 2; }
 
-  /// The ends of the edge have no neighbours in common but those opposite to it, and these keep three triangles, or one
-  /// at a border. Two vertices of borders have a border between them.
+  /// Link condition: the common neighbours of both ends are those opposite the edge, and these keep three triangles, or
+  /// one at a border. An edge between two border vertices must be a border edge.
   bool link_condition(std::uint32_t a, std::uint32_t b) const;
 
-  /// No triangle around `moved` that stays turns too far or becomes too thin if that goes to p.
+  /// Whether no remaining triangle around `moved` turns too far or becomes too thin if that vertex moves to p.
   bool keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p) const;
 
-  /// Of the edge between two vertices.
+  /// Cost and position of the collapse of an edge.
   Collapse measure(std::uint32_t a, std::uint32_t b) const;
 
   bool possible(std::uint32_t a, const Collapse& c) const;
 
-  /// Fills in `to`, `cost` and `blocked` of a vertex.
+  /// Computes `to`, `cost` and `blocked` of a vertex.
   void find_cheapest(std::uint32_t v);
 
-  /// Cheapest first, but costs within a factor of two count as equal and chance decides: where costs rise steadily
-  /// over the mesh there would be few that are cheapest among their surroundings.
+  /// Sort key: cheapest first, but costs within a factor of two are equal and a pseudo-random order decides. With exact
+  /// order, few edges would be local minima where costs increase steadily over the mesh.
   std::uint64_t key(std::uint32_t v) const;
 
-  /// The vertices whose ring a collapse changes: its ends, and those opposite to the edge but for waiting ones.
+  /// Vertices whose ring a collapse changes: its ends, and the vertices opposite the edge except waiting ones.
   std::array<std::uint32_t, 4> touched(std::uint32_t v) const;
 
-  /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that those that
-  /// win run at a time. `place`: room for the merged ring.
+  /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that independent
+  /// collapses run concurrently. `place`: start of the merged ring.
   void collapse(std::uint32_t v, std::size_t place);
 
-  /// One collapse after the other: cheapest first, but for the costs that count as equal.
+  /// Collapses edges sequentially, in the order of `key`.
   void collapse_in_turn();
 
   Box3 bounds_of() const {

@@ -1,5 +1,4 @@
-// The quadric error of vertices that stand for several planes (Garland & Heckbert 1997, "Surface simplification using
-// quadric error metrics").
+// Quadric error metric of vertices that represent several planes [garland1997].
 #pragma once
 
 #include <cmath>
@@ -9,7 +8,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Share of the quadric's trace that ties the optimum to the edge's centroid.
+/// Share of the quadric's trace that draws the optimum towards the edge's centroid.
 constexpr double kTether = 1e-3;
 
 /// Σ w (n·x − d)² over planes, as xᵀ A x − 2 b·x + c, and Σ w.
@@ -35,7 +34,7 @@ struct Quadric {
     return x.x * (xx * x.x + 2 * (xy * x.y + xz * x.z)) + x.y * (yy * x.y + 2 * yz * x.z) + zz * x.z * x.z -
            2 * dot(b, x) + c;
   }
-  /// Where it is least, held near `tether` in the directions that the planes leave open.
+  /// Minimiser, regularised towards `tether` in directions that the planes do not determine.
   Vec3 minimum(const Vec3& tether) const {
     const double t = kTether * (xx + yy + zz);
     const double a00 = xx + t, a11 = yy + t, a22 = zz + t;

@@ -3,6 +3,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "sansmesh/core/edge_key.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -19,7 +21,7 @@ std::uint32_t add_middle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
 std::optional<std::size_t> split_edges(TriangleMesh& mesh,
                                        const std::function<bool(std::uint32_t, std::uint32_t)>& to_split,
                                        std::size_t most_triangles) {
-  // Triangles become 2, 3 or 4 according to how many of their edges are cut.
+  // Triangles become 2, 3 or 4, depending on the number of bisected edges.
   std::unordered_map<std::uint64_t, std::uint32_t> middles;
   const std::size_t n = mesh.vertices.size();
   const auto cut = [&](std::uint32_t a, std::uint32_t b) { return to_split(std::min(a, b), std::max(a, b)); };
@@ -31,13 +33,13 @@ std::optional<std::size_t> split_edges(TriangleMesh& mesh,
   if (after > most_triangles) return std::nullopt;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     if (!cut(a, b)) return kNoVertex;
-    const auto [at, fresh] = middles.try_emplace(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), kNoVertex);
+    const auto [at, fresh] = middles.try_emplace(edge_key(a, b), kNoVertex);
     if (fresh) at->second = add_middle(mesh, std::min(a, b), std::max(a, b));
     return at->second;
   };
   std::vector<Triangle> finer;
   finer.reserve(after);
-  std::vector<std::uint32_t> of;  // the triangle that each was part of
+  std::vector<std::uint32_t> of;  // original triangle of each part
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangles[i];
     of.resize(finer.size(), i == 0 ? 0 : static_cast<std::uint32_t>(i - 1));
@@ -45,7 +47,7 @@ std::optional<std::size_t> split_edges(TriangleMesh& mesh,
       finer.push_back(t);
       continue;
     }
-    // Turned so that the edges that are cut come first: ab, or ab and bc.
+    // Rotated so that bisected edges come first: ab, or ab and bc.
     Triangle c = t;
     std::array<std::uint32_t, 3> m{};
     for (std::size_t k = 0; k < 3; ++k) m[k] = middle(t[k], t[(k + 1) % 3]);

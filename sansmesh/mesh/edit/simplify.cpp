@@ -21,10 +21,10 @@ namespace {
 
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRounds = 200;
-constexpr double kFirstStage = 16;  // the errors of the stages double from this part of what is accepted
+constexpr double kFirstStage = 16;  // the errors of the stages double from this fraction of the limit
 
 struct Simplifier : detail::EdgeCollapses {
-  // The least key of the collapses that have a vertex as an end, and of those that change its ring.
+  // Least key of the collapses with a vertex as an end, and of those that change its ring.
   std::vector<std::uint64_t> end_claim, ring_claim;
 
   using EdgeCollapses::EdgeCollapses;
@@ -46,7 +46,7 @@ struct Simplifier : detail::EdgeCollapses {
     for (const std::uint32_t w : touched(v)) end_claim[w] = ring_claim[w] = kNoKey;
   }
 
-  /// Those that win share no triangle, and no two of them change the ring of a vertex.
+  /// Winning collapses share no triangle, and no two of them change the ring of a vertex.
   bool wins(std::uint32_t v) const {
     const std::uint64_t own = key(v);
     for (const std::uint32_t w : touched(v))
@@ -58,8 +58,8 @@ struct Simplifier : detail::EdgeCollapses {
     return true;
   }
 
-  /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` triangles. Those from
-  /// `open` vertices at first, then what these change.
+  /// Runs rounds of independent collapses until hardly any are left or only `target` triangles. Starts with those at
+  /// `open` vertices; continues with those that these affect.
   void collapse_all(Progress& progress, std::size_t target, const std::vector<std::uint32_t>& open) {
     if (left_triangles <= target) return;
     std::vector<std::uint32_t> changed, candidates, chosen, hubs;
@@ -73,7 +73,7 @@ struct Simplifier : detail::EdgeCollapses {
     for (int round = 0; round < kMostRounds; ++round) {
       progress.check();
       parallel_for(0, changed.size(), 512, [&](std::size_t i) { find_cheapest(changed[i]); });
-      // Those that did not win the last round, and those whose surroundings changed.
+      // Candidates: those that did not win the last round, and those with changed surroundings.
       for (const std::uint32_t v : changed) flag[v] = 1;
       std::erase_if(candidates, [&](std::uint32_t v) { return flag[v] || to[v] == kNoVertex; });
       for (const std::uint32_t v : changed) {
@@ -103,8 +103,8 @@ struct Simplifier : detail::EdgeCollapses {
       around.resize(end);
       std::vector<std::uint32_t> kept(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) kept[i] = to[chosen[i]];
-      // A neighbour's change since the cost was found may have made it impossible. All are asked before any is made:
-      // the answer reads the valence of vertices that another collapse may change.
+      // A change of a neighbour since the cost was computed may have made it impossible. Tests all before performing
+      // any: the test reads the valence of vertices that another collapse may change.
       parallel_for(0, chosen.size(), 256,
                    [&](std::size_t i) { won[i] = possible(chosen[i], measure(chosen[i], kept[i])); });
       std::vector<std::uint8_t> going(chosen.size());
@@ -123,8 +123,7 @@ struct Simplifier : detail::EdgeCollapses {
           continue;
         }
         ++count, gone += going[i];
-        // The edges of the merged vertex changed, for the worse: other vertices need a new choice only if it was
-        // theirs.
+        // The edges of the merged vertex became more expensive: other vertices need a new choice only if it was theirs.
         change(kept[i]);
         for (const std::uint32_t r : ring(kept[i]))
           for (const std::uint32_t w : triangles[r])
@@ -134,12 +133,12 @@ struct Simplifier : detail::EdgeCollapses {
       settle_hubs(hubs, change);
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count, left_triangles -= gone;
-      // Those of borders take one triangle each, so that the last round may be followed by others.
+      // Border collapses remove one triangle each, so further rounds may be needed.
       if (left_triangles <= target || (last ? count == 0 : count * 300 <= std::min(left, many))) break;
     }
   }
 
-  /// Share of every 64th vertex that has a collapse within the error.
+  /// Share of every 64th vertex with a collapse within the error.
   double share_to_go() {
     constexpr std::size_t kStride = 64;
     const std::size_t looked = (x.size() + kStride - 1) / kStride;
@@ -159,8 +158,8 @@ struct Simplifier : detail::EdgeCollapses {
     } else {
       open.resize(x.size());
       std::iota(open.begin(), open.end(), 0u);
-      // In stages: with all of the error at once nearly every edge would be a candidate, and most would wait for
-      // cheaper ones beside them, round after round.
+      // In stages: with the full error at once nearly every edge would be a candidate, and most would wait for cheaper
+      // neighbours for many rounds.
       for (error = options.error / kFirstStage; error < options.error; error *= 2) collapse_all(progress, target, open);
     }
     error = options.error;
@@ -180,20 +179,66 @@ std::uint32_t scattered(const Vec3f& p) {
   return static_cast<std::uint32_t>(h >> 32);
 }
 
+/// Replaces the vertices and triangles of a mesh by the simplified ones. Vertices get the means, weighted by `weight`,
+/// of the properties of those merged into them; `becomes` as in simplify_mesh.
+void take_simplified(TriangleMesh& mesh, Simplifier& s, const Vec3& middle, const std::vector<double>& weight,
+                     std::vector<std::uint32_t>* becomes) {
+  const std::size_t n = mesh.vertices.size();
+  std::vector<std::uint32_t> into(n), left;
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (s.merged_into[v] == kNoVertex) into[v] = static_cast<std::uint32_t>(left.size()), left.push_back(v);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    std::uint32_t t = v;
+    while (s.merged_into[t] != kNoVertex) t = s.merged_into[t];
+    into[v] = into[t];
+  }
+  if (becomes) *becomes = into;
+  const auto merge = [&](auto get, auto set) {
+    std::vector<Vec3> sum(left.size());
+    std::vector<double> total(left.size());
+    for (std::size_t v = 0; v < n; ++v) {
+      for (std::size_t k = 0; k < 3; ++k) sum[into[v]][k] += weight[v] * get(v, k);
+      total[into[v]] += weight[v];
+    }
+    for (std::size_t i = 0; i < left.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) set(left[i], k, sum[i][k] / total[i]);
+  };
+  if (!mesh.normals.empty()) {
+    merge([&](std::size_t v, std::size_t k) { return mesh.normals[v][k]; },
+          [&](std::size_t v, std::size_t k, double value) { mesh.normals[v][k] = static_cast<float>(value); });
+    for (Vec3f& normal : mesh.normals) normal = normalized(normal);
+  }
+  if (!mesh.colors.empty())
+    merge([&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
+          [&](std::size_t v, std::size_t k, double value) {
+            mesh.colors[v][k] = index_in<std::uint8_t>(std::round(value), 0, 255);
+          });
+  AttributeTable attributes;
+  if (!mesh.attributes.empty()) attributes = mesh.attributes.means(into, weight, left.size());
+  mesh.attributes.clear();
+  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
+  take_vertices(mesh, left);
+  mesh.attributes = std::move(attributes);
+  mesh.triangles = std::move(s.triangles);
+  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = into[v];
+}
+
 }  // namespace
 
 bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
                    std::vector<std::uint32_t>* from, std::vector<std::uint32_t>* becomes) {
   options.validate();
   const std::size_t n = mesh.vertices.size();
-  const Vec3 middle(bounds(mesh).center());  // near the origin quadrics lose fewer digits
+  const Vec3 middle(bounds(mesh).center());  // quadrics are more accurate near the origin
   Simplifier s(options, n, std::move(mesh.triangles));
   s.limit.assign(options.limits.begin(), options.limits.end());
-  if (becomes) {  // for now, and if nothing changes
+  if (becomes) {  // initial value, valid if nothing changes
     becomes->resize(n);
     std::iota(becomes->begin(), becomes->end(), 0u);
   }
-  std::vector<double> own_weight(n);  // before anything merges
+  std::vector<double> own_weight(n);  // weights before merging
   parallel_for(0, n, 8192, [&](std::size_t v) {
     s.x[v] = Vec3(mesh.vertices[v]) - middle;
     s.chance[v] = scattered(mesh.vertices[v]);
@@ -217,56 +262,7 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
     mesh.triangles = std::move(s.triangles);
     return false;
   }
-
-  // What belongs to the vertices that were merged, then those that are left.
-  std::vector<std::uint32_t> target(n), number(n, kNoVertex), left;
-  for (std::size_t v = 0; v < n; ++v) {
-    std::uint32_t t = static_cast<std::uint32_t>(v);
-    while (s.merged_into[t] != kNoVertex) t = s.merged_into[t];
-    target[v] = t;
-    if (t != v) continue;
-    number[v] = static_cast<std::uint32_t>(left.size());
-    left.push_back(t);
-  }
-  if (becomes)
-    for (std::size_t v = 0; v < n; ++v) (*becomes)[v] = number[target[v]];
-  const auto merge = [&](std::size_t components, auto get, auto set) {
-    std::vector<double> sum(n * components, 0), weight(n, 0);
-    for (std::size_t v = 0; v < n; ++v) {
-      const double w = own_weight[v];
-      for (std::size_t k = 0; k < components; ++k) sum[target[v] * components + k] += w * get(v, k);
-      weight[target[v]] += w;
-    }
-    for (std::size_t v = 0; v < n; ++v)
-      if (target[v] == v)
-        for (std::size_t k = 0; k < components; ++k) set(v, k, sum[v * components + k] / weight[v]);
-  };
-  if (!mesh.normals.empty()) {
-    merge(
-        3, [&](std::size_t v, std::size_t k) { return mesh.normals[v][k]; },
-        [&](std::size_t v, std::size_t k, double value) { mesh.normals[v][k] = static_cast<float>(value); });
-    for (Vec3f& normal : mesh.normals) normal = normalized(normal);
-  }
-  if (!mesh.colors.empty())
-    merge(
-        3, [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
-        [&](std::size_t v, std::size_t k, double value) {
-          mesh.colors[v][k] = index_in<std::uint8_t>(std::round(value), 0, 255);
-        });
-  AttributeTable attributes;
-  if (!mesh.attributes.empty()) {
-    std::vector<std::uint32_t> group(n);
-    for (std::size_t v = 0; v < n; ++v) group[v] = number[target[v]];
-    attributes = mesh.attributes.means(group, own_weight, left.size());
-  }
-  mesh.attributes.clear();
-  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
-  take_vertices(mesh, left);
-  mesh.attributes = std::move(attributes);
-  mesh.triangles = std::move(s.triangles);
-  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& v : t) v = number[v];
+  take_simplified(mesh, s, middle, own_weight, becomes);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// Fewer triangles for the same surface.
+// Mesh simplification by edge collapses.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Collapses edges as long as the quadric error (Garland & Heckbert 1997, "Surface simplification using quadric error
-/// metrics") stays below `error`, cheapest first among their surroundings, many at once. Topology, closedness and
-/// manifoldness stay; no triangle turns by more than 60° at once; borders move within the error. What belongs
-/// to merged vertices becomes their mean weighted by area (attributes: as AttributeTable says); triangles that are left
-/// keep their attributes. The same for any number of threads. Returns whether anything changed. `from` gets the number
-/// that each triangle had before, `becomes` that which each vertex, or the one it was merged into, has afterwards.
+/// Collapses edges with a quadric error [garland1997] below `error`, local minima of the cost first, many in parallel.
+/// Preserves topology, closedness and manifoldness; no triangle turns by more than 60° at once; borders move within the
+/// error. Merged vertices get the area-weighted mean of their properties (attributes: as in AttributeTable); remaining
+/// triangles keep their attributes. Independent of the number of threads. Returns whether anything changed. `from`
+/// receives the former index of each triangle, `becomes` the new index of each former vertex or of the one it was
+/// merged into.
 bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
                    std::vector<std::uint32_t>* from = nullptr, std::vector<std::uint32_t>* becomes = nullptr);
 

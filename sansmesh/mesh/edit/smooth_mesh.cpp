@@ -12,9 +12,10 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/mesh_measures.h"
 
@@ -23,23 +24,23 @@ namespace {
 
 constexpr int kMostIterations = 10000;
 constexpr int kUsualIterations = 10, kUsualRounds = 8;
-/// With longer steps the filter would blow up waves of two edges.
+/// With longer steps the filter would amplify waves of two edges.
 constexpr double kMostStrength = 0.65;
-/// Frequencies below this (of at most 2) pass.
+/// Pass band: lower frequencies (of at most 2) are kept.
 constexpr double kPassBand = 0.1;
-/// Of the frequency that is halved, that which passes unchanged; and what then halves it.
+/// Ratio of the pass-band limit to the halved frequency, and exponent that halves it.
 constexpr double kPassOverHalf = 1.0 / 3;
 constexpr double kHalving = 0.6931 / 6;
-/// Bounds of a cotangent: a sliver must not outweigh all others.
+/// Bounds of a cotangent: limit the influence of slivers.
 constexpr double kLeastCotangent = 0.05, kMostCotangent = 5;
-/// Rounds in which vertices follow the normals of their triangles.
+/// Rounds in which vertices are fitted to the normals of their triangles.
 constexpr int kFollowRounds = 20;
-/// Angle of a crease over the noise of the angles between triangles, and its bounds in degrees.
+/// Ratio of the crease angle to the noise of angles between triangles, and its bounds in degrees.
 constexpr double kCreaseOverNoise = 2.5, kLeastCrease = 12, kMostCrease = 35;
-/// The volume is corrected again where this share was missing, so often at most, until this is.
+/// Volume correction: repeated if this share is missing, until this tolerance, up to a limit of rounds.
 constexpr double kFewPercent = 0.03, kKeptVolume = 1e-6;
 constexpr int kMostCorrections = 60;
-/// Mean square of the sine between a direction and the planes around a vertex, from which on the vertex moves along it.
+/// Least mean squared sine between a direction and the planes around a vertex for moving the vertex in that direction.
 constexpr double kLeastTurn = 0.02;
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -49,18 +50,18 @@ double cotangent_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
   return sine > 0 ? std::clamp(dot(u, v) / sine, kLeastCotangent, kMostCotangent) : kLeastCotangent;
 }
 
-/// The mesh by places, with what every way of smoothing asks of it.
+/// Mesh with coincident vertices identified, and data common to all filters.
 struct SmoothState {
   TriangleMesh& mesh;
-  PlaceEdges edges;
+  PositionEdges edges;
   Vec3 middle;
-  std::vector<Vec3> x, start;  // of each place, relative to `middle`
+  std::vector<Vec3> x, start;  // positions of the representatives, relative to `middle`
   std::vector<std::uint8_t> used, border, stays;
-  // Neighbours of each place, with their weights; of a border that moves only those on it.
+  // Neighbours of each representative with weights; for moving borders only those on the border.
   std::vector<std::uint32_t> first, neighbour;
   std::vector<double> weight;
 
-  explicit SmoothState(TriangleMesh& m) : mesh(m), edges(edges_by_place(m)), middle(bounds(m).center()) {
+  explicit SmoothState(TriangleMesh& m) : mesh(m), edges(edges_by_position(m)), middle(bounds(m).center()) {
     const std::size_t n = mesh.vertices.size();
     x.resize(n), used.resize(n), border.resize(n), stays.resize(n);
     for (std::size_t v = 0; v < n; ++v) x[v] = Vec3(mesh.vertices[v]) - middle;
@@ -69,7 +70,7 @@ struct SmoothState {
 
   void find_borders(bool move_borders) {
     std::vector<std::uint8_t> border_edges(x.size());
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       used[e.a] = used[e.b] = 1;
       if (e.count == 2) continue;
       for (const std::uint32_t v : {e.a, e.b}) {
@@ -82,29 +83,29 @@ struct SmoothState {
       if (border[v] && (!move_borders || border_edges[v] != 2)) stays[v] = 1;
   }
 
-  double edge_weight(const PlaceEdges::Edge& e) const {
+  double edge_weight(const PositionEdges::Edge& e) const {
     double sum = 0;
     for (std::uint32_t k = 0; k < e.count; ++k) {
       const std::uint32_t corner = edges.corners[e.first + k];
       const Triangle& t = mesh.triangles[corner / 3];
-      sum += cotangent_at(x[edges.place[t[(corner + 2 - corner / 3 * 3) % 3]]], x[e.a], x[e.b]);
+      sum += cotangent_at(x[edges.representative[t[(corner + 2) % 3]]], x[e.a], x[e.b]);
     }
     return sum;
   }
 
   void find_neighbours() {
     first.assign(x.size() + 1, 0);
-    const auto counts = [&](std::uint32_t v, std::uint32_t w, const PlaceEdges::Edge& e) {
+    const auto counts = [&](std::uint32_t v, std::uint32_t w, const PositionEdges::Edge& e) {
       return !stays[v] && (!border[v] || (e.count == 1 && border[w]));
     };
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       if (counts(e.a, e.b, e)) ++first[e.a + 1];
       if (counts(e.b, e.a, e)) ++first[e.b + 1];
     }
     for (std::size_t v = 0; v < x.size(); ++v) first[v + 1] += first[v];
     neighbour.resize(first.back()), weight.resize(first.back());
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       const double w = edge_weight(e);
       for (const auto& [v, other] : {std::pair(e.a, e.b), std::pair(e.b, e.a)})
         if (counts(v, other, e)) neighbour[next[v]] = other, weight[next[v]++] = border[v] ? 1 : w;
@@ -126,16 +127,16 @@ struct SmoothState {
     x.swap(moved);
   }
 
-  Vec3 at(std::size_t triangle, std::size_t k) const { return x[edges.place[mesh.triangles[triangle][k]]]; }
+  Vec3 at(std::size_t triangle, std::size_t k) const { return x[edges.representative[mesh.triangles[triangle][k]]]; }
 };
 
 double mean_length(const SmoothState& s) {
   double sum = 0;
-  for (const PlaceEdges::Edge& e : s.edges.edges) sum += norm(s.x[e.a] - s.x[e.b]);
+  for (const PositionEdges::Edge& e : s.edges.edges) sum += norm(s.x[e.a] - s.x[e.b]);
   return s.edges.edges.empty() ? 0 : sum / static_cast<double>(s.edges.edges.size());
 }
 
-/// Mean square of the distances to the neighbours, as they are weighted.
+/// Weighted mean square of the distances to the neighbours.
 double mean_square_reach(const SmoothState& s) {
   double sum = 0;
   std::size_t count = 0;
@@ -150,8 +151,8 @@ double mean_square_reach(const SmoothState& s) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-/// How each vertex moves when the planes of its triangles move outward by one: along the normal, and farther where they
-/// form a crease. Across directions in which these hardly differ nothing is known, and nothing moves.
+/// Displacement of each vertex if the planes of its triangles move outward by one: along the normal, and farther at
+/// creases. No displacement in directions that the planes do not determine.
 std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   struct Sums {
     Vec3 a, b, c, right;
@@ -159,11 +160,11 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   };
   std::vector<Sums> sums(s.x.size());
   for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
-    if (!is_whole(s.mesh, s.mesh.triangles[i])) continue;
+    if (!has_valid_corners(s.mesh.vertices, s.mesh.triangles[i])) continue;
     const Vec3 doubled = cross(s.at(i, 1) - s.at(i, 0), s.at(i, 2) - s.at(i, 0)), n = normalized(doubled);
     const double area = norm(doubled);
     for (const std::uint32_t corner : s.mesh.triangles[i]) {
-      Sums& v = sums[s.edges.place[corner]];
+      Sums& v = sums[s.edges.representative[corner]];
       v.a += n * (n.x * area), v.b += n * (n.y * area), v.c += n * (n.z * area);
       v.right += doubled;
       v.area += area;
@@ -179,27 +180,27 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   return steps;
 }
 
-/// The parts of a mesh that hang together, and which of them still lack volume.
+/// Components of the mesh, and the components that still lack volume.
 struct Bodies {
-  std::vector<std::uint32_t> of;  // of each place
+  std::vector<std::uint32_t> of;  // component of each representative
   std::vector<std::uint8_t> lacks;
 
   explicit Bodies(const SmoothState& s) : of(s.x.size()) {
     UnionFind joined(s.x.size());
-    for (const PlaceEdges::Edge& e : s.edges.edges) joined.join(e.a, e.b);
+    for (const PositionEdges::Edge& e : s.edges.edges) joined.join(e.a, e.b);
     std::vector<std::uint32_t> number(s.x.size(), 0);
     for (std::size_t v = 0; v < s.x.size(); ++v) {
       std::uint32_t& own = number[joined.find(static_cast<std::uint32_t>(v))];
       if (own == 0 && s.used[v]) lacks.push_back(1), own = static_cast<std::uint32_t>(lacks.size());
-      of[v] = own;  // 0: no triangle's
+      of[v] = own;  // 0: not used by a triangle
     }
     lacks.insert(lacks.begin(), 0);
   }
 };
 
-/// Moves the vertices of each body that lacks volume by the same distance along the normals, or with `creases` the
-/// planes of its triangles, so that the volume becomes what it was, to first order. Those that missed a smaller share
-/// than `kept` before do not lack it any more.
+/// Moves the vertices of each component that lacks volume by the same distance along the normals (with `creases`, along
+/// the planes of its triangles), which restores the volume to first order. Components that lacked a smaller share than
+/// `kept` are finished.
 void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool creases, double kept, Bodies& bodies) {
   std::vector<Vec3> gradient(s.x.size());
   std::vector<double> lost(bodies.lacks.size(), 0), wanted(lost), sum(lost);
@@ -207,8 +208,8 @@ void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool 
     return dot(x[t[0]], cross(x[t[1]], x[t[2]])) / 6;
   };
   for (Triangle t : s.mesh.triangles) {
-    if (!is_whole(s.mesh, t)) continue;
-    for (std::uint32_t& v : t) v = s.edges.place[v];
+    if (!has_valid_corners(s.mesh.vertices, t)) continue;
+    for (std::uint32_t& v : t) v = s.edges.representative[v];
     const std::uint32_t b = bodies.of[t[0]];
     const double there = volume(before, t);
     lost[b] += there - volume(s.x, t);
@@ -230,8 +231,8 @@ void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool 
     if (bodies.lacks[b] && std::abs(lost[b] / wanted[b]) < kept) bodies.lacks[b] = 0;
 }
 
-/// Each body by itself: what a noisy one loses is not another's. Once is enough for fine meshes; coarse ones lose so
-/// much that the first step goes far too far.
+/// Restores each component separately, since the loss depends on its noise. One step suffices for fine meshes; coarse
+/// ones lose so much that the first step overshoots.
 void restore_volume(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
   Bodies bodies(s);
   restore_volumes_once(s, before, creases, kFewPercent, bodies);
@@ -247,7 +248,7 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   const double there = options.strength;
   s.find_neighbours();
   if (const double reach = mean_square_reach(s); options.shorter_than && reach > 0) {
-    // Of a wave: Σ w (1 − cos(ω·d)) on the mean over all directions.
+    // Response of a wave: Σ w (1 − cos(ω·d)), averaged over all directions.
     const double half = std::min(std::pow(std::numbers::pi / *options.shorter_than, 2) * reach, 0.9);
     pass = kPassOverHalf * half;
     const double back = 1 / (1 / there - pass);
@@ -267,9 +268,8 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   if (closed) restore_volume(s, s.start, false);
 }
 
-/// Triangles that share a vertex, and their normals.
+/// Normals, centres and areas of the triangles.
 struct FaceNormals {
-  std::vector<std::uint32_t> first, around;
   std::vector<Vec3> normal, center;
   std::vector<double> area;
 
@@ -277,7 +277,7 @@ struct FaceNormals {
     const std::size_t n = s.mesh.triangles.size();
     normal.resize(n), center.resize(n), area.resize(n);
     parallel_for(0, n, 4096, [&](std::size_t i) {
-      if (!is_whole(s.mesh, s.mesh.triangles[i])) return;
+      if (!has_valid_corners(s.mesh.vertices, s.mesh.triangles[i])) return;
       const Vec3 a = s.at(i, 0), b = s.at(i, 1), c = s.at(i, 2), doubled = cross(b - a, c - a);
       center[i] = (a + b + c) / 3;
       area[i] = norm(doubled) / 2;
@@ -286,11 +286,10 @@ struct FaceNormals {
   }
 };
 
-/// Of the angles between the normals of triangles with an edge in common: the median is noise, as long as most edges
-/// are no creases.
+/// The median angle between triangles with a common edge is noise, as long as most edges are not creases.
 double crease_from_noise(const SmoothState& s, const FaceNormals& faces) {
   std::vector<double> angles;
-  for (const PlaceEdges::Edge& e : s.edges.edges) {
+  for (const PositionEdges::Edge& e : s.edges.edges) {
     if (e.count != 2) continue;
     const Vec3 &a = faces.normal[s.edges.corners[e.first] / 3], &b = faces.normal[s.edges.corners[e.first + 1] / 3];
     angles.push_back(std::atan2(norm(cross(a, b)), dot(a, b)));
@@ -310,11 +309,11 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
   std::vector<Triangle> by_place(n);
   for (std::size_t i = 0; i < n; ++i)
     if (faces.area[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) by_place[i][k] = s.edges.place[s.mesh.triangles[i][k]];
+      for (std::size_t k = 0; k < 3; ++k) by_place[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
   const VertexCorners corners(by_place, s.x.size());
   double apart = 0;
   std::size_t pairs = 0;
-  for (const PlaceEdges::Edge& e : s.edges.edges)
+  for (const PositionEdges::Edge& e : s.edges.edges)
     if (e.count == 2) {
       apart += norm(faces.center[s.edges.corners[e.first] / 3] - faces.center[s.edges.corners[e.first + 1] / 3]);
       ++pairs;
@@ -330,7 +329,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
         for (const std::uint32_t v : by_place[i])
           for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
             const std::uint32_t j = corners.corner[c] / 3;
-            // A triangle beside an edge comes twice, by both of its vertices: the nearer one counts more.
+            // A triangle that shares an edge occurs twice, at both of its vertices, and so has a larger weight.
             if (j == i || faces.area[j] == 0) continue;
             const double there = squared_norm(faces.center[j] - faces.center[i]) / (2 * reach * reach);
             const double turned = squared_norm(faces.normal[j] - faces.normal[i]) / (2 * width * width);
@@ -368,7 +367,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
 void renew_normals(TriangleMesh& mesh) {
   std::vector<Vec3> sum(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    if (!is_whole(mesh, t)) continue;
+    if (!has_valid_corners(mesh.vertices, t)) continue;
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
     const Vec3 doubled = cross(b - a, c - a);
     for (const std::uint32_t v : t) sum[v] += doubled;
@@ -383,28 +382,27 @@ const OptionSchema& SmoothOptions::schema() {
   using O = SmoothOptions;
   static constexpr OptionRow rows[] = {
       option<&O::iterations>({.text = "Rounds", .from_data = "10; with `creases` 8", .range = {1, kMostIterations}}),
-      option<&O::strength>({.text = "How far a round goes", .unit = "share", .range = positive(kMostStrength)}),
-      option<&O::shorter_than>({.text = "Take off what is shorter than this, in place of `iterations`",
+      option<&O::strength>({.text = "Step length of a round", .unit = "share", .range = positive(kMostStrength)}),
+      option<&O::shorter_than>({.text = "Remove shorter wavelengths than this, instead of `iterations`",
                                 .unit = "length",
                                 .range = positive(),
                                 .old_name = "length"}),
-      option<&O::creases>({.text = "Keep creases: smooth the normals of faces, and fit the vertices to them"}),
-      option<&O::crease_angle>({.text = "With `creases`: faces that are turned by more do not blur",
+      option<&O::creases>({.text = "Preserve creases: smooth the face normals and fit the vertices to them"}),
+      option<&O::crease_angle>({.text = "With `creases`: largest angle between faces that are smoothed together",
                                 .unit = "degrees",
                                 .from_data = "from the noise",
                                 .range = {1, 90},
                                 .needs = "creases"}),
-      option<&O::borders>({.text = "Smooth borders, too, along themselves; otherwise they stay"})};
+      option<&O::borders>({.text = "Also smooth borders, along themselves; otherwise they stay fixed"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
 
 void SmoothOptions::validate() const {
   validate_options(*this);
-  if (shorter_than && iterations)
-    throw ArgumentError("`shorter_than` says how many `iterations` there are: give one of them");
-  if (shorter_than && creases) throw ArgumentError("`shorter_than` means nothing with `creases`");
-  if (borders && creases) throw ArgumentError("`borders` means nothing with `creases`: borders stay");
+  if (shorter_than && iterations) throw ArgumentError("`shorter_than` determines `iterations`: set only one of them");
+  if (shorter_than && creases) throw ArgumentError("`shorter_than` has no effect with `creases`");
+  if (borders && creases) throw ArgumentError("`borders` has no effect with `creases`: borders stay fixed");
 }
 
 SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress) {
@@ -414,15 +412,16 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   SmoothState s(mesh);
   s.find_borders(options.borders);
   report.mean_edge = mean_length(s);
-  // Seams are no holes: of the mesh by its places.
+  // Seams are not boundaries: measures the mesh with coincident vertices joined.
   const auto measure = [&](double& area) {
     TriangleMesh joined;
     joined.vertices = mesh.vertices;
     for (std::size_t v = 0; v < s.x.size(); ++v) joined.vertices[v] = Vec3f(s.x[v]);
     for (const Triangle& t : mesh.triangles)
-      if (is_whole(mesh, t))
-        joined.triangles.push_back({s.edges.place[t[0]], s.edges.place[t[1]], s.edges.place[t[2]]});
-    std::erase_if(joined.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+      if (has_valid_corners(mesh.vertices, t))
+        joined.triangles.push_back(
+            {s.edges.representative[t[0]], s.edges.representative[t[1]], s.edges.representative[t[2]]});
+    std::erase_if(joined.triangles, [](const Triangle& t) { return !has_distinct_corners(t); });
     const MeshQuality q = measure_quality(joined);
     area = q.area;
     return measure_topology(joined).closed() ? std::optional(q.volume) : std::nullopt;
@@ -444,7 +443,7 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   if (report.vertices > 0) report.rms_move = std::sqrt(squares / static_cast<double>(report.vertices));
   report.volume_after = measure(report.area_after);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (s.used[s.edges.place[v]]) mesh.vertices[v] = Vec3f(s.x[s.edges.place[v]] + s.middle);
+    if (s.used[s.edges.representative[v]]) mesh.vertices[v] = Vec3f(s.x[s.edges.representative[v]] + s.middle);
   if (!mesh.normals.empty()) renew_normals(mesh);
   progress.finish();
   return report;
@@ -454,24 +453,24 @@ namespace {
 
 constexpr ReportRow kSmoothReportRows[] = {
     reported<&SmoothReport::vertices>(
-        {.name = "input.vertices", .text = "Vertices that triangles use; those at the same place count once"}),
+        {.name = "input.vertices", .text = "Vertices that triangles use; coincident ones count once"}),
     reported<&SmoothReport::mean_edge>(
         {.name = "input.mean_edge", .text = "Mean length of the edges before", .unit = "length"}),
-    reported<&SmoothReport::iterations>({.text = "Rounds that were made", .unit = "rounds"}),
+    reported<&SmoothReport::iterations>({.text = "Rounds performed", .unit = "rounds"}),
     reported<&SmoothReport::rms_move>(
-        {.name = "moved.rms", .text = "How far vertices moved, root mean square", .unit = "length"}),
+        {.name = "moved.rms", .text = "Displacement of the vertices, root mean square", .unit = "length"}),
     reported<&SmoothReport::largest_move>(
-        {.name = "moved.max", .text = "How far the vertex moved that moved most", .unit = "length"}),
+        {.name = "moved.max", .text = "Largest displacement of a vertex", .unit = "length"}),
     reported<&SmoothReport::fixed>(
-        {.name = "moved.fixed", .text = "Vertices that stayed, at borders and edges of three triangles"}),
+        {.name = "moved.fixed", .text = "Fixed vertices, at borders and edges of three triangles"}),
     reported<&SmoothReport::area_before>({.name = "area.before", .text = "Area before", .unit = "length²"}),
     reported<&SmoothReport::area_after>({.name = "area.after", .text = "Area after", .unit = "length²"}),
     reported<&SmoothReport::volume_before>(
         {.name = "volume.before", .text = "Volume before, of closed meshes", .unit = "length³"}),
     reported<&SmoothReport::volume_after>(
         {.name = "volume.after", .text = "Volume after, of closed meshes", .unit = "length³"}),
-    reported<[](const SmoothReport& r) { return told_if(r.crease_angle > 0, r.crease_angle); }>(
-        {.name = "crease_angle_deg", .text = "Angle from which on edges were kept as creases", .unit = "degrees"})};
+    reported<[](const SmoothReport& r) { return value_if(r.crease_angle > 0, r.crease_angle); }>(
+        {.name = "crease_angle_deg", .text = "Least angle of edges preserved as creases", .unit = "degrees"})};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Noise taken off a mesh, its volume kept.
+// Volume-preserving removal of noise from a mesh.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Taubin's filter [taubin1995]: steps to the mean of the neighbours (weights: cotangents, clamped to be positive) and
-/// a little farther back, in turn, which take off what is shorter than some edges and let longer waves pass, so that
-/// the mesh does not shrink; if it is closed, vertices then move along the normals, those of a component all by the
-/// same distance, until each component has its volume again. With `creases` bilateral means of the normals of triangles
-/// [zheng2011], to which vertices are fitted [sun2007]. Vertices at the same place stay together. Normals of vertices
-/// are made anew if there were any. The same for any number of threads.
+/// Taubin's filter [taubin1995]: alternates steps to the mean of the neighbours (weights: clamped positive cotangents)
+/// and slightly larger steps back. This removes waves of a few edges and keeps longer ones, so that the mesh does not
+/// shrink. In closed meshes, the vertices of each component are then moved by the same distance along the normals until
+/// its volume is restored. With `creases`: bilateral means of triangle normals [zheng2011], to which the vertices are
+/// fitted [sun2007]. Coincident vertices stay together. Recomputes vertex normals if there are any. Independent of the
+/// number of threads.
 SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -17,14 +17,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSamePoint = 1e-3;              // of the radius
-constexpr double kSameCorner = 1e-4;             // of the radius, where cross-sections turn about a point
-constexpr double kMitred = 0.70710678118654752;  // cosine of the sharpest bend that is
-constexpr double kTurn = std::numbers::pi / 6;   // of cross-sections about a point, at most
-constexpr double kMitreShare = 0.5;              // of a segment that a mitre may take
-constexpr double kReversed = 1e-12;              // squared: no plane of a bend
+constexpr double kSamePoint = 1e-3;              // in radii
+constexpr double kSameCorner = 1e-4;             // in radii, for cross-sections that rotate about a point
+constexpr double kMitred = 0.70710678118654752;  // cosine of the sharpest mitred bend
+constexpr double kTurn = std::numbers::pi / 6;   // largest angle between cross-sections about a point
+constexpr double kMitreShare = 0.5;              // largest fraction of a segment for a mitre
+constexpr double kReversed = 1e-12;              // squared sine; below it, the plane of a bend is undefined
 
-/// The tubes of one line.
+/// Tubes of one line.
 struct TubePart {
   std::vector<Vec3f> positions, normals;
   std::vector<std::uint32_t> rows;
@@ -32,10 +32,10 @@ struct TubePart {
 };
 
 struct CrossSection {
-  Vec3 u, v;  ///< with the direction of the segment orthonormal and right-handed
+  Vec3 u, v;  ///< right-handed orthonormal with the direction of the segment
 };
 
-/// A vector turned about a unit axis.
+/// Rotates a vector about a unit axis.
 Vec3 rotated(const Vec3& a, const Vec3& axis, double cosine, double sine) {
   return cosine * a + sine * cross(axis, a) + ((1 - cosine) * dot(axis, a)) * axis;
 }
@@ -50,7 +50,7 @@ class TubeMaker {
     }
   }
 
-  /// The tube of points no two of which in a row are the same, `rows` their numbers.
+  /// Makes the tube of points of which no two consecutive ones coincide; `rows` are their indices.
   void add(const std::vector<Vec3>& x, const std::vector<std::uint32_t>& rows, TubePart& part) const {
     if (x.size() < 2) return;
     Vec3 along = normalized(x[1] - x[0]);
@@ -88,7 +88,7 @@ class TubeMaker {
     return ring;
   }
 
-  /// From the last cross-section to the next, which takes its place. Corners that both share leave no triangle.
+  /// Connects the last cross-section with `next`, which replaces it. Common corners make no triangle.
   void join(std::vector<std::uint32_t>& ring, std::vector<std::uint32_t> next, TubePart& part) const {
     for (std::size_t k = 0; k < sides_; ++k) {
       const std::size_t l = (k + 1) % sides_;
@@ -101,12 +101,12 @@ class TubeMaker {
   void bend(const Vec3& x, const Vec3& along, const Vec3& next, double shorter, std::uint32_t row,
             CrossSection& section, std::vector<std::uint32_t>& ring, TubePart& part) const {
     const double cosine = std::clamp(dot(along, next), -1.0, 1.0);
-    // Of the angle between the directions: the tangent of a half is that of the mitre.
+    // Half the angle between the directions: its tangent determines the mitre.
     const Vec3 middle = along + next;
     const Vec3 across = cross(along, next);
     const double half = norm(next - along) / std::max(norm(middle), 1e-300);
     if (cosine >= kMitred && radius_ * half <= kMitreShare * shorter) {
-      // The plane of the mitre mirrors one segment into the other, and its cross-section into the other's.
+      // The plane of the mitre reflects one segment and its cross-section into the other.
       const Vec3 mirror = normalized(middle);
       CrossSection turned{section.u - 2 * dot(section.u, mirror) * mirror,
                           section.v - 2 * dot(section.v, mirror) * mirror};
@@ -126,7 +126,7 @@ class TubeMaker {
     join(ring, straight_ring(x, section, row, part), part);
     const CrossSection first = section;
     const std::vector<std::uint32_t> first_ring = ring;
-    std::vector<char> still(sides_);  // on the axis
+    std::vector<char> still(sides_);  // corners on the axis
     for (std::size_t k = 0; k < sides_; ++k) {
       const Vec3 w = spoke(section, k);
       still[k] = norm(w - dot(w, axis) * axis) * angle < kSameCorner;
@@ -144,7 +144,7 @@ class TubeMaker {
     }
   }
 
-  /// Without what rounding leaves along the direction, which would add up.
+  /// Orthogonalises the cross-section against accumulating rounding errors.
   static CrossSection straightened(const CrossSection& section, const Vec3& along) {
     const Vec3 u = normalized(section.u - dot(section.u, along) * along);
     return {u, cross(along, u)};
@@ -155,7 +155,7 @@ class TubeMaker {
   std::vector<Vec3> around_;
 };
 
-/// The points of one tube, with their numbers.
+/// Points of one tube with their indices.
 struct TubePoints {
   std::vector<Vec3> x;
   std::vector<std::uint32_t> rows;
@@ -165,9 +165,9 @@ TubePart tube_of_line(const PolylineSet& lines, std::size_t line, const TubeMake
   const double same = kSamePoint * options.radius, step = std::max(same, options.least_step);
   TubePart part;
   TubePoints kept;
-  std::optional<std::uint32_t> left_out;  // since the last one that was kept
+  std::optional<std::uint32_t> left_out;  // skipped since the last kept point
   const auto finish = [&] {
-    // The tube ends where the line does.
+    // The tube ends at the end of the line.
     if (const std::size_t n = kept.x.size(); left_out && n > 1) {
       const Vec3 end(lines.positions[*left_out]);
       if (norm(end - kept.x[n - 2]) > same) kept.x[n - 1] = end, kept.rows[n - 1] = *left_out;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
 
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -28,16 +28,7 @@ MeshComponents find_components(const TriangleMesh& mesh) {
     result.of_triangle[i] = c;
     result.area[c] += triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]));
   }
-  std::vector<std::uint32_t> order(result.area.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return result.area[a] > result.area[b]; });
-  std::vector<std::uint32_t> rank(order.size());
-  std::vector<double> area(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
-    rank[order[k]] = static_cast<std::uint32_t>(k), area[k] = result.area[order[k]];
-  result.area = std::move(area);
-  for (std::uint32_t& c : result.of_triangle) c = rank[c];
+  number_largest_first(result.of_triangle, result.area);
   return result;
 }
 
@@ -100,8 +91,8 @@ std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshC
 
 namespace {
 
-/// Of each vertex: whether its triangles, at most as many as bits in a word, are surely one fan. They are of nearly
-/// all.
+/// For each vertex, whether its triangles are certainly one fan; tests at most as many triangles as bits in a word,
+/// which covers nearly all vertices.
 std::vector<std::uint8_t> one_fan_each(const TriangleMesh& mesh, const VertexCorners& corners) {
   std::vector<std::uint8_t> result(mesh.vertices.size());
   parallel_for(0, result.size(), 4096, [&](std::size_t v) {
@@ -134,7 +125,7 @@ void separate_fans(TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   const VertexCorners corners(mesh.triangles, n);
   const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
-  // All fans are found on the mesh as it is; only then are corners renamed.
+  // Finds all fans before renumbering corners.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
   const std::vector<std::uint8_t> is_one = one_fan_each(mesh, corners);
   for (std::size_t v = 0; v < n; ++v) {

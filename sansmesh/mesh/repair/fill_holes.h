@@ -1,4 +1,4 @@
-// Holes of a mesh, found and filled.
+// Finds and fills the holes of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// All loops; vertices at the same place are one. Where loops touch at a vertex, each is a loop of its own.
+/// Finds all boundary loops; coincident vertices count as one. Loops that touch at a vertex are separate.
 HoleLoops find_holes(const TriangleMesh& mesh);
 
-/// Triangulates each hole so that the largest angle between triangles, and then the area, is least [liepa2003], adds
-/// vertices, and places these where the Laplacian of the Laplacian vanishes: the filling has the tangents of its
-/// surroundings. Colours, normals and attributes of new vertices are means of those of the border, by distance; of new
-/// triangles they are unknown. The same for any number of threads.
+/// Triangulates each hole with the least maximal angle between triangles, and then the least area [liepa2003]. Adds
+/// vertices where the bi-Laplacian vanishes: the filling continues the tangent planes of its surroundings. Colours,
+/// normals and attributes of new vertices are distance-weighted means of border vertices; those of new triangles are
+/// unknown. Independent of the number of threads.
 FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

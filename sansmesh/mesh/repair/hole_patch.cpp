@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/repair/hole_patch.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -9,17 +10,19 @@
 #include <unordered_set>
 #include <utility>
 
+#include "sansmesh/data/triangles.h"
+
 namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::uint32_t kNoOther = ~std::uint32_t{0};
 constexpr double kForever = std::numeric_limits<double>::infinity();
-/// Of an angle and of a cotangent, so that rounding decides nothing, and a sliver little.
+/// Margin of a flip against rounding; and bounds of cotangent weights, so that slivers have little influence.
 constexpr double kFlipMargin = 1e-4, kLeastWeight = 1e-3, kMostWeight = 20;
 constexpr int kMostRefinements = 40, kMostFlipRounds = 30;
 constexpr double kSplitAbove = 1.4142;
 
-/// What a way of filling a part of the loop costs: the larger of the angles counts first.
+/// Cost of filling a part of the loop: the larger angle, then the area.
 struct PatchCost {
   double angle = kForever, area = kForever;
   friend bool operator<(const PatchCost& a, const PatchCost& b) {
@@ -29,20 +32,20 @@ struct PatchCost {
 
 Vec3 doubled_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return cross(b - a, c - a); }
 
-/// Between the normals of two triangles, 0..2: 1 − cos. Without a normal as bad as can be.
+/// Angle measure 1 − cos between the normals of two triangles, 0..2; 2 for triangles without a normal.
 double turn_between(const Vec3& a, const Vec3& b) {
   const double length = std::sqrt(squared_norm(a) * squared_norm(b));
   return length > 0 ? 1 - dot(a, b) / length : 2;
 }
 
-/// The whole loop at once.
+/// Triangulates the whole loop by dynamic programming.
 std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
   const std::size_t n = rim.x.size();
   std::vector<PatchCost> cost(n * n);
   std::vector<std::uint32_t> tip(n * n, kNoOther);
   const auto at = [n](std::size_t i, std::size_t k) { return i * n + k; };
   for (std::size_t i = 0; i + 1 < n; ++i) cost[at(i, i + 1)] = {0, 0};
-  // The normal of what lies across the edge from i to k of a triangle that fills: the mesh, or the filling beyond.
+  // Normal of the triangle beyond the edge from i to k: in the mesh or in the filling.
   const auto across = [&](std::size_t i, std::size_t k) {
     if (k == i + 1) return doubled_normal(rim.x[k], rim.x[i], rim.beside[i]);
     return doubled_normal(rim.x[i], rim.x[tip[at(i, k)]], rim.x[k]);
@@ -80,7 +83,7 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
   return all;
 }
 
-/// Some vertices of a loop as a loop of their own.
+/// Triangulates the loop of some vertices.
 std::vector<PatchTriangle> triangulate_some(const HoleRim& rim, const std::vector<std::uint32_t>& some,
                                             const std::vector<Vec3>& beside, bool closing_is_free) {
   std::vector<Vec3> x;
@@ -92,7 +95,7 @@ std::vector<PatchTriangle> triangulate_some(const HoleRim& rim, const std::vecto
     if ((a + 1) % n == b || (b + 1) % n == a) return false;
     return rim.joined(a, b);
   };
-  // Its own edges may be in the mesh, too.
+  // Its own edges may also exist in the mesh.
   for (std::uint32_t i = 0; i + (closing_is_free ? 1 : 0) < some.size(); ++i)
     if (joined(i, static_cast<std::uint32_t>((i + 1) % some.size()))) return {};
   std::vector<PatchTriangle> all = triangulate_whole({x, beside, joined});
@@ -101,7 +104,7 @@ std::vector<PatchTriangle> triangulate_some(const HoleRim& rim, const std::vecto
   return all;
 }
 
-/// First a coarse loop, then what lies between its edges and the loop.
+/// Triangulates a coarse loop first, then the parts between its edges and the loop.
 std::vector<PatchTriangle> triangulate_long(const HoleRim& rim, std::uint32_t stride, std::uint32_t offset) {
   const auto n = static_cast<std::uint32_t>(rim.x.size());
   std::vector<std::uint32_t> coarse;
@@ -113,7 +116,7 @@ std::vector<PatchTriangle> triangulate_long(const HoleRim& rim, std::uint32_t st
   }
   std::vector<PatchTriangle> all = triangulate_some(rim, coarse, beside, false);
   if (all.empty()) return all;
-  // The corner that the coarse filling has beside each coarse edge.
+  // Opposite corner in the coarse filling at each coarse edge.
   std::vector<std::uint32_t> opposite(n, 0);
   for (const PatchTriangle& t : all)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -137,12 +140,7 @@ std::vector<PatchTriangle> triangulate_long(const HoleRim& rim, std::uint32_t st
   return all;
 }
 
-std::uint64_t patch_edge_key(std::uint32_t a, std::uint32_t b) {
-  const auto [low, high] = std::minmax(a, b);
-  return std::uint64_t{low} << 32 | high;
-}
-
-/// Triangles with their neighbours, for turning edges.
+/// Triangles with neighbours, for edge flips.
 struct PatchTopology {
   std::vector<PatchTriangle>& triangles;
   std::vector<Vec3>& x;
@@ -155,7 +153,7 @@ struct PatchTopology {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
       for (std::uint32_t k = 0; k < 3; ++k)
-        keys.emplace_back(patch_edge_key(triangles[t][k], triangles[t][(k + 1) % 3]), 3 * t + k);
+        keys.emplace_back(edge_key(triangles[t][k], triangles[t][(k + 1) % 3]), 3 * t + k);
     std::sort(keys.begin(), keys.end());
     beyond.assign(triangles.size(), {kNoOther, kNoOther, kNoOther});
     edges.clear();
@@ -182,7 +180,7 @@ struct PatchTopology {
     return std::atan2(norm(cross(u, v)), dot(u, v));
   }
 
-  /// Turns the edge k of triangle t if that brings it nearer to Delaunay's.
+  /// Flips edge k of triangle t if that improves the Delaunay criterion.
   bool turn(std::uint32_t t, std::size_t k) {
     const std::uint32_t s = beyond[t][k];
     if (s == kNoOther) return false;
@@ -192,13 +190,13 @@ struct PatchTopology {
     if (j == 3 || triangles[s][(j + 1) % 3] != a) return false;
     const std::uint32_t d = triangles[s][(j + 2) % 3];
     if (c == d || angle_at(c, a, b) + angle_at(d, a, b) < 3.14159265358979 + kFlipMargin) return false;
-    if (edges.contains(patch_edge_key(c, d)) || (c < loop && d < loop && joined(c, d))) return false;
+    if (edges.contains(edge_key(c, d)) || (c < loop && d < loop && joined(c, d))) return false;
     const Vec3 middle = normalized(doubled_normal(x[a], x[b], x[c])) + normalized(doubled_normal(x[b], x[a], x[d]));
     if (!(dot(doubled_normal(x[a], x[d], x[c]), middle) > 0 && dot(doubled_normal(x[d], x[b], x[c]), middle) > 0))
       return false;
     const std::uint32_t bc = beyond[t][(k + 1) % 3], ca = beyond[t][(k + 2) % 3];
     const std::uint32_t ad = beyond[s][(j + 1) % 3], db = beyond[s][(j + 2) % 3];
-    edges.erase(patch_edge_key(a, b)), edges.insert(patch_edge_key(c, d));
+    edges.erase(edge_key(a, b)), edges.insert(edge_key(c, d));
     triangles[t] = {a, d, c}, beyond[t] = {ad, s, ca};
     triangles[s] = {d, b, c}, beyond[s] = {db, bc, t};
     relink(ad, s, t), relink(bc, t, s);
@@ -260,7 +258,7 @@ bool fair_patch(std::span<const PatchTriangle> triangles, std::span<const PatchT
   const std::size_t n = x.size(), free = n - loop;
   if (free == 0) return true;
   const auto at = [&](std::uint32_t v) -> const Vec3& { return v < n ? x[v] : around[v - n]; };
-  // Edges from the vertices of the patch, with cotangents, and the areas of their stars.
+  // Edges from the patch vertices with cotangent weights, and the areas of the stars.
   struct Entry {
     std::uint32_t v, w;
     double weight;

@@ -10,9 +10,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kNearlyLongest = 0.6;  // of the longest edge squared: shorter ones stay, or triangles become flat
-constexpr double kFlatTurn = 1e-9;      // of squared lengths: corners so flat are taken for straight
-constexpr int kMostHalvings = 100;      // rounds: ends where rounding would go on
+constexpr double kNearlyLongest =
+    0.6;                            // relative to the longest squared edge; shorter edges stay, to avoid flat triangles
+constexpr double kFlatTurn = 1e-9;  // relative to squared lengths: flatter corners count as straight
+constexpr int kMostHalvings = 100;  // limit of rounds, against endless bisection by rounding
 
 using Flat = std::array<double, 2>;
 using Ring = std::vector<std::uint32_t>;
@@ -43,14 +44,14 @@ bool in_ring(const std::vector<Flat>& p, const Ring& ring, const Flat& x) {
   return within;
 }
 
-/// Joins a hole to the ring around it by an edge to and fro: from its rightmost point to a corner of the ring that it
-/// sees (Eberly).
+/// Joins a hole to the surrounding ring by a double edge from its rightmost point to a visible corner of the ring
+/// (Eberly).
 void join_hole(const std::vector<Flat>& p, Ring& ring, Ring hole) {
   std::rotate(hole.begin(),
               std::max_element(hole.begin(), hole.end(), [&](std::uint32_t a, std::uint32_t b) { return p[a] < p[b]; }),
               hole.end());
   const Flat& from = p[hole[0]];
-  // The edge of the ring that a ray to the right meets first.
+  // First edge of the ring hit by a ray to the right.
   double least = std::numeric_limits<double>::infinity();
   std::size_t best = ring.size();
   for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -60,7 +61,7 @@ void join_hole(const std::vector<Flat>& p, Ring& ring, Ring hole) {
     if (x >= from[0] && x < least) least = x, best = a[0] > b[0] ? i : (i + 1) % ring.size();
   }
   if (best == ring.size()) return;
-  // Its farther end, unless corners lie in between: then of these the one at the smallest angle.
+  // Its farther end; or, if corners are in between, the one of them at the smallest angle.
   const Flat meet{least, from[1]}, end = p[ring[best]];
   double flattest = std::numeric_limits<double>::infinity(), nearest = flattest;
   std::size_t seen = best;
@@ -73,7 +74,7 @@ void join_hole(const std::vector<Flat>& p, Ring& ring, Ring hole) {
     if (x[0] >= from[0] && (slope < flattest || (slope == flattest && d < nearest)))
       flattest = slope, nearest = d, seen = i;
   }
-  // Where the ring passes a corner several times, at the pass that has the hole on its inner side.
+  // If the ring passes a corner several times, uses the pass with the hole on its inner side.
   for (std::size_t i = 0; i < ring.size(); ++i) {
     if (ring[i] != ring[seen]) continue;
     const Flat &a = p[ring[(i + ring.size() - 1) % ring.size()]], &b = p[ring[i]], &c = p[ring[(i + 1) % ring.size()]];
@@ -112,17 +113,17 @@ void clip_ears(const std::vector<Flat>& p, Ring ring, std::vector<Triangle>& tri
         if (is_ear((at + i) % n, least)) at = (at + i) % n, found = true;
       if (found) break;
     }
-    if (!found) at %= n;  // rounding: whatever comes next
+    if (!found) at %= n;  // rounding: accepts the next corner
     triangles.push_back({ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]});
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(at));
-    at = (at + 1) % ring.size();  // not always at the same corner: fewer slivers
+    at = (at + 1) % ring.size();  // varies the corner, which gives fewer slivers
   }
   triangles.push_back({ring[0], ring[1], ring[2]});
 }
 
 using FlatEdge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// From the directed edges of triangles to these.
+/// Maps the directed edges of triangles to the triangles.
 std::map<FlatEdge, std::uint32_t> edges_of(const std::vector<Triangle>& triangles) {
   std::map<FlatEdge, std::uint32_t> of;
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -131,7 +132,7 @@ std::map<FlatEdge, std::uint32_t> edges_of(const std::vector<Triangle>& triangle
   return of;
 }
 
-/// Above 0 where d lies in the circle around the counter-clockwise triangle (a, b, c).
+/// Positive if d is inside the circumcircle of the counter-clockwise triangle (a, b, c).
 double in_circle(const Flat& a, const Flat& b, const Flat& c, const Flat& d) {
   const double ax = a[0] - d[0], ay = a[1] - d[1], bx = b[0] - d[0], by = b[1] - d[1], cx = c[0] - d[0],
                cy = c[1] - d[1];
@@ -139,7 +140,7 @@ double in_circle(const Flat& a, const Flat& b, const Flat& c, const Flat& d) {
   return ax * (by * cc - bb * cy) - ay * (bx * cc - bb * cx) + aa * (bx * cy - by * cx);
 }
 
-/// Turns inner edges until they are Delaunay.
+/// Flips inner edges until the triangulation is Delaunay.
 void turn_edges(const std::vector<Flat>& p, std::vector<Triangle>& triangles) {
   std::map<FlatEdge, std::uint32_t> of = edges_of(triangles);
   std::vector<FlatEdge> open;
@@ -188,7 +189,7 @@ void halve_edge(std::vector<Flat>& p, std::vector<Triangle>& triangles, const Fl
   }
 }
 
-/// Cuts inner edges between chosen points in half.
+/// Bisects inner edges between chosen points.
 void keep_apart(std::vector<Flat>& p, std::vector<Triangle>& triangles, std::span<const std::uint8_t> chosen) {
   const auto is_chosen = [&](std::uint32_t v) { return v < chosen.size() && chosen[v]; };
   for (bool more = !chosen.empty(); more;) {
@@ -207,7 +208,7 @@ void keep_apart(std::vector<Flat>& p, std::vector<Triangle>& triangles, std::spa
   }
 }
 
-/// Cuts the longest inner edges in half, no two of one triangle; false: none is too long.
+/// Bisects the longest inner edges, at most one per triangle; returns false if none is too long.
 bool halve_edges(std::vector<Flat>& p, std::vector<Triangle>& triangles, double length) {
   const std::map<FlatEdge, std::uint32_t> of = edges_of(triangles);
   std::vector<std::pair<double, FlatEdge>> too_long;
@@ -251,7 +252,7 @@ PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& lo
     (ring_area(fill.points, ring) > 0 ? outer : holes).push_back(std::move(ring));
   }
   std::vector<std::vector<Ring>> within(outer.size());
-  for (Ring& hole : holes) {  // in the smallest outer curve around it
+  for (Ring& hole : holes) {  // assigns it to the smallest surrounding outer curve
     std::size_t best = outer.size();
     for (std::size_t k = 0; k < outer.size(); ++k)
       if (in_ring(fill.points, outer[k], fill.points[hole[0]]) &&

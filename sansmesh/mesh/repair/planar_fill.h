@@ -1,4 +1,4 @@
-// Triangles that fill curves in a plane.
+// Triangulates regions bounded by planar curves.
 #pragma once
 
 #include <array>
@@ -12,18 +12,18 @@
 namespace sansmesh::inline v1 {
 
 struct PlanarFill {
-  std::vector<std::array<double, 2>> points;  ///< those given, loop after loop, and then those added inside
+  std::vector<std::array<double, 2>> points;  ///< given points, loop by loop, then added interior points
   std::vector<Triangle> triangles;            ///< counter-clockwise
 };
 
-/// What closed curves bound: outer ones run counter-clockwise, holes clockwise, each without its first point repeated.
-/// They must not cross each other. Ears are clipped, then edges turned until they are Delaunay, and inner ones longer
-/// than `length` cut in half, except where long edges of the curves are near: these stay as they are. Curves without
-/// three points, and holes within no outer curve, are left out. Time grows with the square of the number of points of a
+/// Triangulates the region bounded by closed curves that do not intersect: outer curves run counter-clockwise, holes
+/// clockwise, each without a repeated first point. Ear clipping, then edge flips until the triangulation is Delaunay.
+/// Bisects inner edges longer than `length`, except near long boundary edges, which stay unchanged. Ignores curves with
+/// fewer than three points, and holes outside all outer curves. The time is quadratic in the number of points of a
 /// curve.
 ///
-/// Inner edges between two of the points whose entry in `apart` (one for each that is given, or none) is not 0 are cut
-/// in half, however short: so that two sheets that share these points share no edge.
+/// Also bisects inner edges of any length between two points whose entry in `apart` (one per given point, or none) is
+/// not 0: two sheets that share these points then share no edge.
 PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length,
                        std::span<const std::uint8_t> apart = {});
 

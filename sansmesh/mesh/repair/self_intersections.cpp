@@ -4,60 +4,34 @@
 #include <cmath>
 #include <numeric>
 
-#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTrianglesOfLeaf = 4;
 
-/// Triangles along a curve that fills space, under a tree of boxes: node i has the children 2i and 2i + 1.
+/// Triangles in the order of a space-filling curve, with a tree of boxes: node i has the children 2i and 2i + 1.
 struct BoxesOfTriangles {
   std::vector<std::uint32_t> order;
   std::vector<Box3f> box;
   std::size_t leaves = 1;
 
-  BoxesOfTriangles(const TriangleMesh& mesh, const std::vector<Box3f>& of_triangle) {
-    const Box3f all = bounds(mesh);
-    const Vec3f size = all.size();
-    const float widest = std::max({size.x, size.y, size.z, 1e-30f});
-    std::vector<KeyIndex> keys(mesh.triangles.size());
-    parallel_for(0, keys.size(), 8192, [&](std::size_t t) {
-      const Vec3f middle = (of_triangle[t].lower + of_triangle[t].upper) * 0.5f - all.lower;
-      std::uint64_t key = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto cell = std::uint64_t{index_in<std::uint32_t>(middle[k] / widest * 1048575.0f, 0, 1048575)};
-        for (std::size_t bit = 0; bit < 20; ++bit) key |= (cell >> bit & 1u) << (3 * bit + k);
-      }
-      keys[t] = {key, static_cast<unsigned>(t)};
-    });
-    parallel_sort(keys);
-    order.reserve(keys.size());
-    for (const KeyIndex& k : keys) order.push_back(k.index);
+  explicit BoxesOfTriangles(const std::vector<Box3f>& of_triangle) {
+    std::vector<Vec3> centers(of_triangle.size());
+    parallel_for(0, centers.size(), 8192, [&](std::size_t t) { centers[t] = Vec3(of_triangle[t].center()); });
+    order = space_order(centers);
     while (leaves * kTrianglesOfLeaf < order.size()) leaves *= 2;
     box.resize(2 * leaves);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      Box3f& leaf = box[leaves + i / kTrianglesOfLeaf];
-      leaf.extend(of_triangle[order[i]].lower);
-      leaf.extend(of_triangle[order[i]].upper);
-    }
+    for (std::size_t i = 0; i < order.size(); ++i) box[leaves + i / kTrianglesOfLeaf].extend(of_triangle[order[i]]);
     for (std::size_t i = leaves; i-- > 1;)
-      for (const std::size_t child : {2 * i, 2 * i + 1})
-        if (!box[child].empty()) {
-          box[i].extend(box[child].lower);
-          box[i].extend(box[child].upper);
-        }
+      for (const std::size_t child : {2 * i, 2 * i + 1}) box[i].extend(box[child]);
   }
 };
 
-bool overlap(const Box3f& a, const Box3f& b) {
-  for (std::size_t k = 0; k < 3; ++k)
-    if (!(a.lower[k] <= b.upper[k] && b.lower[k] <= a.upper[k])) return false;
-  return true;
-}
-
-/// Whether the segment goes through the inside of the triangle.
+/// Whether the segment passes through the interior of the triangle.
 bool goes_through(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t, double tolerance) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const double size = norm(normal);
@@ -81,7 +55,7 @@ std::size_t chunks_of(const TriangleMesh& mesh) {
   return (mesh.triangles.size() + kTrianglesOfLeaf * kChunkOfBoxes - 1) / (kTrianglesOfLeaf * kChunkOfBoxes);
 }
 
-/// Calls found(chunk, a, b) for each pair, one at a time for each chunk, and for several chunks at once.
+/// Calls found(chunk, a, b) for each pair: sequentially within a chunk, concurrently for several.
 template <class Found>
 void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& found) {
   const std::size_t n = mesh.triangles.size();
@@ -90,7 +64,7 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
   parallel_for(0, n, 8192, [&](std::size_t t) {
     for (const std::uint32_t v : mesh.triangles[t]) box[t].extend(mesh.vertices[v]);
   });
-  const BoxesOfTriangles tree(mesh, box);
+  const BoxesOfTriangles tree(box);
   const auto corners = [&](std::uint32_t t) {
     const auto [a, b, c] = mesh.triangles[t];
     return std::array<Vec3, 3>{Vec3(mesh.vertices[a]), Vec3(mesh.vertices[b]), Vec3(mesh.vertices[c])};
@@ -107,7 +81,7 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
     }
     return false;
   };
-  // The triangles of a leaf together, and of the tree only what comes after them.
+  // Tests the triangles of a leaf together, against later leaves only.
   const std::size_t leaves = (n + kTrianglesOfLeaf - 1) / kTrianglesOfLeaf;
   parallel_for(0, chunks_of(mesh), 1, [&](std::size_t c) {
     const auto compare = [&](std::size_t leaf, std::size_t other) {
@@ -115,11 +89,11 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
       const std::size_t end = std::min(n, (leaf + 1) * kTrianglesOfLeaf);
       for (std::size_t i = leaf * kTrianglesOfLeaf; i < end; ++i) {
         const std::uint32_t t = tree.order[i];
-        if (!overlap(around, box[t])) continue;
+        if (!touch(around, box[t])) continue;
         const std::size_t first = other * kTrianglesOfLeaf;
         for (std::size_t j = std::max(first, i + 1); j < std::min(n, first + kTrianglesOfLeaf); ++j) {
           const std::uint32_t s = tree.order[j];
-          if (overlap(box[s], box[t]) && cut(s, t)) found(c, std::min(s, t), std::max(s, t));
+          if (touch(box[s], box[t]) && cut(s, t)) found(c, std::min(s, t), std::max(s, t));
         }
       }
     };
@@ -127,14 +101,14 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
     for (std::size_t leaf = c * kChunkOfBoxes; leaf < std::min(leaves, (c + 1) * kChunkOfBoxes); ++leaf) {
       const Box3f& own = tree.box[tree.leaves + leaf];
       compare(leaf, leaf);
-      // Up from the leaf: what is on the right of the way.
+      // Traverses the tree upwards from the leaf, visiting right siblings.
       for (std::size_t node = tree.leaves + leaf; node > 1; node /= 2) {
         if (node % 2 != 0) continue;
         open.assign(1, node + 1);
         while (!open.empty()) {
           const std::size_t now = open.back();
           open.pop_back();
-          if (!overlap(tree.box[now], own)) continue;
+          if (!touch(tree.box[now], own)) continue;
           if (now >= tree.leaves) {
             compare(leaf, now - tree.leaves);
             continue;

@@ -1,4 +1,4 @@
-// Where a mesh cuts through itself.
+// Self-intersections of a mesh.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Pairs of triangles (the lower number first, in ascending order) of which an edge of one goes through the other, with
-/// its ends farther than `tolerance` (length) from that one's plane. Triangles that share an edge are not looked at, of
-/// those that share a vertex only the edges opposite to it. Parallel; about n log n for meshes without too many.
+/// Intersecting pairs of triangles (lower index first, ascending): an edge of one passes through the other, with both
+/// ends farther than `tolerance` (length) from its plane. Ignores triangles with a common edge; of triangles with a
+/// common vertex, tests only the edges opposite to it. Parallel; about n log n for meshes with few intersections.
 std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh, double tolerance);
 
-/// How many these are. Calls found(a, b) for each, from several threads at once and in no order; keeps none.
+/// Number of intersecting pairs. Calls found(a, b) for each, concurrently and in any order, without storing them.
 std::size_t count_self_intersections(const TriangleMesh& mesh, double tolerance,
                                      const std::function<void(std::uint32_t, std::uint32_t)>& found);
 

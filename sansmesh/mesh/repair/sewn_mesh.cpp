@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/repair/sewn_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/data/triangles.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -17,17 +19,13 @@ constexpr std::size_t kSewnChunk = 8192;
 
 using SeamEdge = std::array<std::uint32_t, 2>;
 
-std::uint64_t seam_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-
-/// Edges of one triangle.
+/// Edges of exactly one triangle.
 std::vector<SeamEdge> seam_edges(const std::vector<Triangle>& triangles) {
   std::vector<KeyIndex> edges(3 * triangles.size());
   parallel_for(0, triangles.size(), kSewnChunk, [&](std::size_t i) {
     const Triangle& t = triangles[i];
     for (std::size_t k = 0; k < 3; ++k)
-      edges[3 * i + k] = {seam_key(t[k], t[(k + 1) % 3]), static_cast<unsigned>(3 * i + k)};
+      edges[3 * i + k] = {edge_key(t[k], t[(k + 1) % 3]), static_cast<unsigned>(3 * i + k)};
   });
   parallel_sort(edges);
   std::vector<SeamEdge> borders;
@@ -39,12 +37,6 @@ std::vector<SeamEdge> seam_edges(const std::vector<Triangle>& triangles) {
   return borders;
 }
 
-bool has_own_corners(const TriangleMesh& mesh, const Triangle& t) {
-  return std::all_of(t.begin(), t.end(),
-                     [&](std::uint32_t v) { return v < mesh.vertices.size() && is_finite(mesh.vertices[v]); }) &&
-         t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-}
-
 }  // namespace
 
 SewnMesh sewn_mesh(const TriangleMesh& mesh) {
@@ -54,10 +46,10 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
   sewn.vertices = mesh.vertices;
   sewn.triangles.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)
-    if (has_own_corners(mesh, t)) sewn.triangles.push_back(t);
+    if (has_valid_corners(mesh.vertices, t) && has_distinct_corners(t)) sewn.triangles.push_back(t);
 
   const std::vector<SeamEdge> borders = seam_edges(sewn.triangles);
-  // Only their ends can be joined.
+  // Only the ends of these edges can be joined.
   std::vector<std::uint32_t> ends;
   ends.reserve(2 * borders.size());
   for (const SeamEdge& e : borders) ends.insert(ends.end(), e.begin(), e.end());
@@ -66,13 +58,13 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
   std::vector<Vec3f> places;
   places.reserve(ends.size());
   for (const std::uint32_t v : ends) places.push_back(mesh.vertices[v]);
-  const std::vector<std::uint32_t> first = first_at_place(places);
+  const std::vector<std::uint32_t> first = first_equal_positions(places);
   const auto number = [&](std::uint32_t v) {
     return static_cast<std::uint32_t>(std::lower_bound(ends.begin(), ends.end(), v) - ends.begin());
   };
   std::vector<KeyIndex> lying(borders.size());
   for (std::size_t i = 0; i < borders.size(); ++i)
-    lying[i] = {seam_key(first[number(borders[i][0])], first[number(borders[i][1])]), static_cast<unsigned>(i)};
+    lying[i] = {edge_key(first[number(borders[i][0])], first[number(borders[i][1])]), static_cast<unsigned>(i)};
   parallel_sort(lying);
   UnionFind same(ends.size());
   for (std::size_t i = 0, j; i < lying.size(); i = j) {
@@ -85,7 +77,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
       same.join(a, c), same.join(b, d);
     }
   }
-  // The vertex with the least number stands for all of them.
+  // The vertex with the least index represents its set.
   for (std::uint32_t i = 0; i < ends.size(); ++i) result.joined += same.find(i) != i;
   if (result.joined > 0) {
     std::vector<std::uint32_t> name(mesh.vertices.size());
@@ -93,7 +85,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
     for (std::uint32_t i = 0; i < ends.size(); ++i) name[ends[i]] = ends[same.find(i)];
     for (Triangle& t : sewn.triangles)
       for (std::uint32_t& v : t) v = name[v];
-    std::erase_if(sewn.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    std::erase_if(sewn.triangles, [](const Triangle& t) { return !has_distinct_corners(t); });
   }
   result.left_out = mesh.triangles.size() - sewn.triangles.size();
   return result;

@@ -1,4 +1,4 @@
-// A mesh of a file as what it stands for: without faces that are none, its borders sewn where they lie on each other.
+// Mesh of a file without invalid faces and with coincident borders joined.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,21 @@
 namespace sansmesh::inline v1 {
 
 struct SewnMesh {
-  /// Only places and triangles. All vertices stand where they stood, also those that nothing uses any more.
+  /// Only positions and triangles. Vertices keep their positions, including those that are no longer used.
   TriangleMesh mesh;
-  std::size_t left_out =
-      0;                   ///< triangles with a corner that is not finite or missing, or with two corners that are one
-  std::size_t joined = 0;  ///< vertices in whose place there is another now
+  std::size_t left_out = 0;  ///< triangles with an invalid corner or two equal corners
+  std::size_t joined = 0;    ///< vertices replaced by another one at their position
 };
 
-/// Edges between the same two places are one if none of them has more than one triangle, and so are their ends. Files
-/// that repeat vertices (for each triangle, at seams of textures) thus hang together, and what only touches (fans of
-/// triangles around a common place) stays apart. Whatever counts or measures the mesh of a file does it on this, so
-/// that two commands say the same of it. Time n log n, in parallel; the same for any number of threads.
+/// Joins edges between the same two positions, and their ends, if each of them has one triangle. This connects files
+/// that repeat vertices (for each triangle, or at texture seams) but keeps parts separate that merely touch (fans of
+/// triangles around a common position). All counts and measures of the mesh of a file use it, so that commands agree.
+/// Time n log n, in parallel; independent of the number of threads.
 SewnMesh sewn_mesh(const TriangleMesh& mesh);
 
-/// Topology of the sewn mesh; vertices and triangles that fell away count as unused and as degenerate as they are in
-/// the file.
+/// Topology of the sewn mesh; removed vertices and triangles count as unused and degenerate as in the file.
 MeshTopology sewn_topology(const TriangleMesh& mesh);
-/// The same of a mesh that is sewn already.
+/// Same, for a mesh that is already sewn.
 MeshTopology sewn_topology(const SewnMesh& sewn);
 
 }  // namespace sansmesh::inline v1

@@ -4,21 +4,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/repair/same_places.h"
 #include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/close_points.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kWeldChunk = 8192;
-
-/// Normals and colours of the vertices that are left, `group` says who becomes which of them.
+/// Averages normals and colours; `group` maps old to new vertices.
 void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32_t>& group, std::size_t groups) {
   if (!mesh.normals.empty()) {
     std::vector<Vec3> sums(groups);
@@ -27,8 +24,8 @@ void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32
     mesh.normals.resize(groups);
     for (std::size_t g = 0; g < groups; ++g) {
       if (counts[g] == 1)
-        mesh.normals[g] = Vec3f(sums[g]);  // to the bit
-      else                                 // what cancels out but for rounding has no direction
+        mesh.normals[g] = Vec3f(sums[g]);  // bit-identical
+      else                                 // directions that cancel up to rounding give zero
         mesh.normals[g] = norm(sums[g]) > 1e-3 ? Vec3f(normalized(sums[g])) : Vec3f{};
     }
   }
@@ -46,39 +43,11 @@ void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32
   }
 }
 
-/// As MeshTopology::nonmanifold_edges has them.
-std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
-  const std::size_t n = mesh.vertices.size();
-  std::vector<Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    if (t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
-  const VertexCorners corners(triangles, n);
-  return parallel_reduce(
-      n, kWeldChunk, std::size_t{0},
-      [&](std::size_t first, std::size_t last) {
-        std::size_t count = 0;
-        std::vector<std::uint32_t> above;  // the other ends, for each triangle, of edges whose lower end is v
-        for (std::size_t v = first; v < last; ++v) {
-          above.clear();
-          for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c)
-            for (const std::uint32_t w : triangles[corners.corner[c] / 3])
-              if (w > v) above.push_back(w);
-          std::sort(above.begin(), above.end());
-          for (std::size_t i = 0; i + 2 < above.size(); ++i)
-            count += above[i] == above[i + 2] && (i == 0 || above[i - 1] != above[i]);
-        }
-        return count;
-      },
-      std::plus<>());
-}
-
 }  // namespace
 
 WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   const std::size_t n = mesh.vertices.size();
-  const std::vector<std::uint32_t> first =
-      distance == 0 ? first_at_place(mesh.vertices) : close_representatives(mesh.vertices, distance);
+  const std::vector<std::uint32_t> first = close_representatives(mesh.vertices, distance);
   std::vector<std::uint32_t> group(n);
   std::vector<std::uint32_t> kept;
   for (std::uint32_t v = 0; v < n; ++v) {
@@ -86,13 +55,13 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
       group[v] = static_cast<std::uint32_t>(kept.size());
       kept.push_back(v);
     } else {
-      group[v] = group[first[v]];  // which stands before it
+      group[v] = group[first[v]];  // an earlier vertex
     }
   }
   WeldReport report;
   report.vertices = n - kept.size();
   if (report.vertices == 0) return report;
-  const std::size_t before = edges_of_three_or_more(mesh);
+  const std::size_t before = measure_topology(mesh).nonmanifold_edges;
   if (!mesh.attributes.empty()) {
     const std::vector<double> weight(n, 1);
     mesh.attributes = mesh.attributes.means(group, weight, kept.size());
@@ -104,7 +73,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& old = mesh.triangles[i];
     const Triangle t{group[old[0]], group[old[1]], group[old[2]]};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    if (!has_distinct_corners(t)) continue;
     mesh.triangles[left.size()] = t;
     left.push_back(static_cast<std::uint32_t>(i));
   }
@@ -112,7 +81,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   if (report.triangles > 0 && !mesh.triangle_attributes.empty())
     mesh.triangle_attributes = mesh.triangle_attributes.taken(left);
   mesh.triangles.resize(left.size());
-  const std::size_t after = edges_of_three_or_more(mesh);
+  const std::size_t after = measure_topology(mesh).nonmanifold_edges;
   report.nonmanifold_edges = after > before ? after - before : 0;
   return report;
 }

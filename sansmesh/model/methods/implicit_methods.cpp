@@ -11,7 +11,7 @@ namespace {
 
 using Normal = SurfaceOptions::Normal;
 
-/// The patches of hoppe do not meet.
+/// hoppe: adjacent patches do not meet.
 constexpr double kJumpOfPatches = 0.5;
 
 ImplicitOptions implicit_options(const SurfaceOptions& options) {
@@ -60,12 +60,12 @@ constexpr SurfaceMethod implicit(std::string_view name, std::string_view summary
 }
 
 constexpr SurfaceMethod kImplicit[] = {
-    implicit("hoppe", "tangent plane of the nearest sample: to compare with", kOfNearest),
-    implicit("adamson", "mean plane of the samples: to compare with", kOfMeanPlanes),
+    implicit("hoppe", "tangent plane of the nearest sample; for comparison", kOfNearest),
+    implicit("adamson", "mean plane of the samples; for comparison", kOfMeanPlanes),
     implicit("kolluri", "mean of the tangent planes", kOfWeights),
     implicit("dey", "mean of the tangent planes, weights wider where the shape allows", kOfWeights),
-    implicit("extremal", "extrema of an energy of distances: to compare with", kOfWeights),
-    implicit("apss", "algebraic spheres: the one to begin with", kOfWeights),
+    implicit("extremal", "extrema of an energy of distances; for comparison", kOfWeights),
+    implicit("apss", "algebraic spheres; recommended", kOfWeights),
     implicit("amls", "iterated approximate moving least squares of order 2, 4 or 6", kOfIterations)};
 
 }  // namespace

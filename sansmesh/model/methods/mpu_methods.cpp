@@ -9,11 +9,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of what closes holes, where nothing tells how the surface bends: the radius of a ball over what stands for the
-/// spacing.
+/// Ball radius over block edge for cells that close holes, where the local spacing is unknown.
 constexpr float kGapBlocks = 2;
 
-/// Balls around the samples, as of the other surfaces, and those of cells without enough of them: what closes holes.
+/// Balls around the samples, as for the other surfaces, and balls of cells with too few samples, which close holes.
 SurfaceParts make_mpu(PreparedCloud& cloud, const SurfaceOptions& options, Progress& progress) {
   if (!options.smooth) sharpen_estimated_normals(cloud, progress);
   const SurfaceSamples samples = prepare_samples(cloud.points, progress, cloud.noise);

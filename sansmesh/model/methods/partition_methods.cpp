@@ -9,10 +9,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The surface passes through supports in whose centre it is no farther away than so many radii.
+/// The surface crosses a support if its distance from the centre is at most this many radii.
 constexpr double kNearCenter = 1.2;
 
-/// The supports that the surface passes through.
+/// Supports that the surface crosses.
 BallUnion support_balls(const PartitionOfUnity& partition) {
   BallUnion balls;
   std::vector<Vec3> centers;

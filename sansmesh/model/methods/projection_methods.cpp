@@ -24,7 +24,7 @@ ProjectionOptions projection_options(const SurfaceOptions& options) {
 
 void check_projection(const SurfaceOptions& options) { projection_options(options).validate(); }
 
-/// Signed distance to the foot point, and farther away a field that knows on which side points are.
+/// Signed distance to the foot point near the surface; farther away, a field that classifies inside and outside.
 struct SidedField {
   std::shared_ptr<const ProjectionSurface> projection;
   ImplicitSurface beyond;

@@ -14,24 +14,24 @@ namespace {
 
 /// Pixels to each side of a line that must be lower: enough for differences above rounding, few enough for fine lines.
 constexpr float kCrestReach = 3;
-/// A crest's fall over that distance, over its height: what is flatter is a cylinder's noise.
+/// Least decrease of a crest over that distance, relative to its height: flatter ones are the noise of cylinders.
 constexpr float kLeastFall = 0.006f;
-/// From the threshold to so many times it, lines become full.
+/// Lines reach full strength at this factor of the threshold.
 constexpr float kFullStrength = 1.7f;
-/// Over the other principal curvature's size: at less there is no direction to speak of.
+/// Least ratio of the principal curvatures' sizes: below it the direction is undefined.
 constexpr float kOneSided = 1.15f;
-/// Suggestive contours: the cosine's valley is so deep at least, and the cosine itself so far from the silhouette's
-/// and the front's.
+/// Suggestive contours: least depth of the cosine's valley, and range of the cosine, away from silhouettes and frontal
+/// views.
 constexpr float kLeastDip = 0.012f, kLeastFacing = 0.08f, kMostFacing = 0.65f;
-/// Neighbouring pixels whose tangent planes pass each other by more than so many distances of them are not of one
-/// sheet.
+/// Neighbouring pixels are on different sheets if their tangent planes are separated by more than this many times their
+/// distance.
 constexpr float kTangentGap = 3;
 
 struct Texel {
   bool hit = false;
   float distance = 0, facing = 0;
   Vec3f place, normal;
-  SurfaceBend bend;
+  SurfaceCurvature bend;
 };
 
 class CrestInk {
@@ -49,7 +49,7 @@ class CrestInk {
     const Texel& here = map_.at(x, y);
     if (!here.hit) return 0;
     float ink = suggestive(x, y, here);
-    const SurfaceBend& b = here.bend;
+    const SurfaceCurvature& b = here.bend;
     if (!b.defined) return ink;
     if (b.k1 > kOneSided * std::abs(b.k2))
       ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.bend.k1; }));
@@ -85,17 +85,17 @@ class CrestInk {
       columns.push_back(x);
     }
     if (options_.look.curvature == nullptr || places.empty()) return;
-    std::vector<SurfaceBend> bends(places.size());
+    std::vector<SurfaceCurvature> bends(places.size());
     options_.look.curvature->evaluate(places, normals, bends);
     const auto size = static_cast<float>(frame.size);
     for (std::size_t k = 0; k < bends.size(); ++k) {
-      SurfaceBend& b = map_.at(columns[k], y).bend;
+      SurfaceCurvature& b = map_.at(columns[k], y).bend;
       b = bends[k];
-      b.k1 *= size, b.k2 *= size;  // over the picture's diagonal
+      b.k1 *= size, b.k2 *= size;  // relative to the picture's diagonal
     }
   }
 
-  /// Between pixels; nothing where one of the four is of another sheet.
+  /// Interpolates between pixels; empty if one of the four is on another sheet.
   template <class Value>
   std::optional<float> between(const Texel& here, float x, float y, const Value& value) const {
     const float left = std::floor(x), top = std::floor(y);
@@ -115,9 +115,9 @@ class CrestInk {
 
   float footprint(const Texel& t) const { return step_ * (camera_.parallel ? 1 : t.distance); }
 
-  /// Where the value is most along a direction of the picture (in pixels, y down), as seen from a pixel.
+  /// Maximum of a value along a direction of the picture (in pixels, y down), near a pixel.
   struct Top {
-    float away, fall;  // pixels along the direction; mean fall to both sides
+    float away, fall;  // pixels along the direction; mean decrease to both sides
   };
   template <class Value>
   std::optional<Top> top(int x, int y, const Texel& here, float dx, float dy, const Value& value) const {
@@ -142,9 +142,9 @@ class CrestInk {
     const auto least = static_cast<float>(options_.look.line_strength);
     const float strength = std::clamp((height / least - 1) / (kFullStrength - 1), 0.0f, 1.0f);
     if (!(strength > 0)) return 0;
-    // How the direction is seen: by a short way along it.
+    // Projection of the direction, from a short step along it.
     const float ahead = footprint(here);
-    const PicturePlace from = camera_.seen(here.place), to = camera_.seen(here.place + ahead * along);
+    const ProjectedPoint from = camera_.project(here.place), to = camera_.project(here.place + ahead * along);
     const float dx = (to.x - from.x) * static_cast<float>(map_.width),
                 dy = (from.y - to.y) * static_cast<float>(map_.height);
     const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.bend.defined ? value(t) : 0.0f; });
@@ -162,7 +162,7 @@ class CrestInk {
 
   const Camera& camera_;
   const RenderOptions& options_;
-  float step_;  // of a pixel at distance 1, or of parallel rays at any
+  float step_;  // width of a pixel at distance 1, or of parallel rays at any distance
   PixelMap<Texel> map_;
 };
 

@@ -8,14 +8,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// How much of each pixel these lines cover, 0..1; with `curvature` of the options:
-/// - ridges, where the larger principal curvature is positive and most along its own direction;
-/// - valleys, where the smaller one is negative and least along its own direction (Ohtake, Belyaev & Seidel 2004),
+/// Share of each pixel that these lines cover, 0..1. With `curvature` of the options:
+/// - ridges: the larger principal curvature is positive and maximal along its own direction;
+/// - valleys: the smaller one is negative and minimal along its own direction (Ohtake, Belyaev & Seidel 2004).
 ///
-/// each only where it is the one of larger size, times the diagonal exceeds `line_strength`, and falls off to both
-/// sides. And always suggestive contours: where the cosine to the direction of sight is least along that direction's
-/// image in the tangent plane (DeCarlo et al. 2003, section 4.2). Places between pixels follow from parabolas through
-/// three.
+/// Both only if that curvature is the larger one in size, times the diagonal exceeds `line_strength`, and decreases to
+/// both sides. Always suggestive contours: minima of the cosine to the viewing direction along the projection of that
+/// direction to the tangent plane (DeCarlo et al. 2003, section 4.2). Positions between pixels follow from parabolas
+/// through three values.
 PixelMap<float> crest_ink(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
                           const RenderOptions& options);
 

@@ -14,12 +14,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLineTile = 64;
-/// Sheets whose tangent planes pass each other by more than so many distances of neighbouring rays lie one behind the
-/// other: a smooth sheet, whose points go up to its silhouette, is bent by no more than about one.
+/// Two sheets are behind each other if their tangent planes are separated by more than this many times the distance of
+/// neighbouring rays. A smooth sheet with points up to its silhouette stays near one.
 constexpr float kSheetGap = 4;
 constexpr float kFoldCosine = 0.87f;  // 30°
 
-/// What neighbouring rays of a tile hit.
+/// Hits of neighbouring rays of a tile.
 struct RayGrid {
   int left, top, wide, high;  // in rays of the whole picture
   std::vector<std::optional<SurfacePoint>> points;
@@ -74,7 +74,7 @@ class EdgeInk {
     grid.points.resize(count);
     grid.places.resize(count);
     CameraRays rays(camera_);
-    constexpr int kRows = 8;  // whose rays go together
+    constexpr int kRows = 8;  // with rays in one batch
     for (int row = 0; row < grid.high; row += kRows) {
       rays.clear();
       const int rows = std::min(kRows, grid.high - row);
@@ -102,7 +102,7 @@ class EdgeInk {
     return dot(p->normal, q->normal) < kFoldCosine && crisp(grid, a, b);
   }
 
-  /// Whether the normals jump there: what turns as fast on both sides is only round.
+  /// Whether the normals jump here: equal changes on both sides are a smooth curve.
   bool crisp(const RayGrid& grid, std::size_t a, std::size_t b) const {
     const std::size_t step = b - a;
     if (a < step || b + step >= grid.points.size()) return false;
@@ -113,7 +113,7 @@ class EdgeInk {
     return (before && 2 * turn(*before, *p) < jump) && (after && 2 * turn(*q, *after) < jump);
   }
 
-  /// A disc of rays around a place of the grid.
+  /// Marks a disc of rays around a point of the grid.
   void stamp(const RayGrid& grid, float cx, float cy, std::vector<std::uint8_t>& mask) const {
     const int left = index_in<int>(std::ceil(cx - radius_), grid.left, grid.left + grid.wide);
     const int right = index_in<int>(std::floor(cx + radius_), grid.left - 1, grid.left + grid.wide - 1);
@@ -129,9 +129,9 @@ class EdgeInk {
   const PictureScene& scene_;
   const Camera& camera_;
   int n_;
-  float radius_;  // of lines, in rays
+  float radius_;  // half the width of lines, in rays
   int reach_;
-  float across_, down_, step_;  // between rays: of the picture, and at distance 1
+  float across_, down_, step_;  // between rays: in the picture, and at distance 1
 };
 
 }  // namespace

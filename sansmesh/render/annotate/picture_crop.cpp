@@ -11,19 +11,19 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding make of the background
+constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding change the background
 
 }  // namespace
 
 PixelBox picture_content(const Image& image, const RenderOptions& options, int margin) {
-  const bool clear = options.look.behind().kind == Background::Kind::transparent;
+  const bool clear = options.look.effective_background().kind == Background::Kind::transparent;
   int left = image.width, top = image.height, right = -1, bottom = -1;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const Rgba& p = image.at(x, y);
       bool content = p[3] > 0;
       if (!clear) {
-        // Beside the picture its last column goes on.
+        // Beside the picture its last column is repeated.
         const float u =
             (static_cast<float>(std::min(x, options.view.width - 1)) + 0.5f) / static_cast<float>(options.view.width);
         const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.view.height);
@@ -43,7 +43,7 @@ PixelBox picture_content(const Image& image, const RenderOptions& options, int m
 void check_crop(const PixelBox& part, int width, int height) {
   if (part.left < 0 || part.top < 0 || part.width < 1 || part.height < 1 || part.width > width - part.left ||
       part.height > height - part.top)
-    throw ArgumentError("`crop` must lie in the picture, which has " + std::to_string(width) + " × " +
+    throw ArgumentError("`crop` must be inside the picture, which has " + std::to_string(width) + " × " +
                         std::to_string(height) + " pixels");
 }
 

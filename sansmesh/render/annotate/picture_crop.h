@@ -1,4 +1,4 @@
-// Pictures as large as what they show.
+// Crops pictures to their content.
 #pragma once
 
 #include "sansmesh/image.h"
@@ -6,13 +6,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// What of a picture is not background, as a picture made with these options has it, with a margin around it as far as
-/// the picture goes. What stands beside the picture (a bar of colours) counts. All of the picture where there is
-/// nothing else.
+/// The part of a picture that is not background, given the options it was made with, plus a margin as far as the
+/// picture reaches. Annotation beside the picture (a colour bar) counts as content. The whole picture if there is no
+/// content.
 PixelBox picture_content(const Image& image, const RenderOptions& options, int margin);
-/// Throws ArgumentError unless the part, of at least one pixel, lies in a picture of that size.
+/// Throws ArgumentError unless the part, of at least one pixel, is inside a picture of that size.
 void check_crop(const PixelBox& part, int width, int height);
-/// Throws ArgumentError unless the part, of at least one pixel, lies in the picture.
+/// Throws ArgumentError unless the part, of at least one pixel, is inside the picture.
 Image cropped(const Image& image, const PixelBox& part);
 
 }  // namespace sansmesh::inline v1

@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kLowestWithBar = 100;
 constexpr int kBarTicks = 5;
-constexpr double kBarPoint = 0.55;     // of a pointed end, over the bar's width
-constexpr double kLegendLetters = 16;  // widest name, over the height of its letters
+constexpr double kBarPoint = 0.55;     // length of a pointed end, relative to the bar's width
+constexpr double kLegendLetters = 16;  // widest name, relative to the height of its letters
 
 double letter_height(int picture_height) { return std::max(7.0, picture_height / 52.0); }
 
@@ -41,11 +41,11 @@ struct BarLayout {
     widest = std::max(widest, stroke_width(title, text));
   }
 
-  /// 0 at the lower end of the bar, 1 at the upper; its middle where all is one value.
+  /// 0 at the lower end of the bar, 1 at the upper; 0.5 if the range is a single value.
   double place(double value) const { return upper > lower ? (value - lower) / (upper - lower) : 0.5; }
 };
 
-/// A place in the picture, in pixels; none behind the camera.
+/// Pixel coordinates of a point; empty behind the camera.
 std::optional<std::pair<double, double>> seen_at(const Vec3& x, const PictureFrame& frame, const Camera& camera,
                                                  const Image& image) {
   const Vec3 d = (x - frame.center) / frame.size - Vec3(camera.position);
@@ -60,7 +60,7 @@ std::optional<std::pair<double, double>> seen_at(const Vec3& x, const PictureFra
 /// An edge of the box: along an axis, at one end of each of the two others.
 struct BoxEdge {
   std::size_t axis;
-  bool high[2];  ///< of the next axis, and of the one after it
+  bool high[2];  ///< on the next axis, and on the one after it
 };
 
 Vec3 on_edge(const Box3& box, const BoxEdge& e, double along) {
@@ -73,31 +73,31 @@ Vec3 on_edge(const Box3& box, const BoxEdge& e, double along) {
   return p;
 }
 
-/// Whether the face of the box at that end of an axis is seen from outside.
+/// Whether the box face at that end of an axis is visible from outside.
 bool face_seen(const Box3& box, std::size_t axis, bool high, const Vec3& eye) {
   return high ? eye[axis] > box.upper[axis] : eye[axis] < box.lower[axis];
 }
 
 Vec3 eye_of(const PictureFrame& frame, const Camera& camera) {
-  // Of parallel rays so far away that which side it sees is that of the rays.
+  // For parallel rays, a distant point whose side is that of the rays.
   const Vec3 position = Vec3(camera.position) + Vec3(camera.backward) * (camera.parallel ? 1e6 : 0.0);
   return frame.center + position * frame.size;
 }
 
-/// 0..1, on white where it is clear.
+/// 0..1, on white if transparent.
 double lightness_of(const Rgba& p) {
   const double light =
       0.3 * static_cast<double>(p[0]) + 0.6 * static_cast<double>(p[1]) + 0.1 * static_cast<double>(p[2]);
   return light * static_cast<double>(p[3]) + (1 - static_cast<double>(p[3]));
 }
 
-/// What can be read on paper so light.
+/// Readable ink on a background of this lightness.
 Rgba ink_on(double lightness) {
   if (lightness < 0.45) return {0.92f, 0.93f, 0.95f, 1};
   return {from_byte(32), from_byte(36), from_byte(43), 1};
 }
 
-/// What can be read on a part of the picture, wherever that shows more than background.
+/// Readable ink on a part of the picture, according to its foreground if it has any.
 Rgba ink_within(const Image& image, double left, double top, double right, double bottom) {
   double sum = 0, weight = 0;
   for (int y = index_in<int>(top, 0, image.height); y < std::min<double>(image.height, bottom); ++y)
@@ -106,7 +106,7 @@ Rgba ink_within(const Image& image, double left, double top, double right, doubl
   return weight > 0 ? ink_on(sum / weight) : ink_for(image);
 }
 
-/// The same where lines and edges of what is behind do not disturb: there a plate is laid over them first.
+/// The same on a plate, which is drawn first if lines or edges in the part would disturb.
 Rgba plate_within(Image& image, double left, double top, double right, double bottom) {
   constexpr float kBusy = 0.12f, kPlate = 0.8f;
   const Rgba ink = ink_within(image, left, top, right, bottom);
@@ -130,7 +130,7 @@ Rgba plate_within(Image& image, double left, double top, double right, double bo
   return ink;
 }
 
-/// With so many columns more, in which the last one of `behind` goes on.
+/// Widens a picture by `added` columns that repeat the last one of `behind`.
 Image widened(const Image& picture, int added, const Image& behind) {
   Image image(picture.width + added, picture.height);
   for (int y = 0; y < image.height; ++y)
@@ -155,7 +155,7 @@ void draw_bar_point(Image& image, double x0, double x1, int y, double point, con
   draw_line(image, x1, y, middle, y + point, line, ink);
 }
 
-/// A text that is no wider than this: its end gives way to dots.
+/// Shortens a text to this width; dots replace its end.
 std::string shortened(const std::string& text, double height, double widest) {
   if (stroke_width(text, height) <= widest) return text;
   std::string part = text;
@@ -210,7 +210,7 @@ std::string tick_text(double value, double step) {
 }
 
 Rgba ink_for(const Image& image) {
-  // What the corners and the middles of the sides show is the background.
+  // The corners and the middles of the sides usually show the background.
   double sum = 0, weight = 0;
   for (const auto& [fx, fy] :
        {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}, {0.5, 0.0}, {0.0, 0.5}, {1.0, 0.5}}) {
@@ -225,17 +225,17 @@ std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 
-int value_bar_width(int height, const TransferFunction& function, const std::string& title) {
+int color_bar_width(int height, const TransferFunction& function, const std::string& title) {
   if (height < kLowestWithBar) return 0;
   const BarLayout layout(height, function, title);
   return static_cast<int>(std::ceil(layout.widest + 2 * layout.gap));
 }
 
-Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks, const Image* paper, const BarEnds& ends) {
+Image with_color_bar(const Image& picture, const TransferFunction& function, const std::string& title,
+                     std::span<const double> marks, const Image* paper, const BarEnds& ends) {
   if (picture.height < kLowestWithBar || picture.width < 1) return picture;
   const Image& behind = paper && paper->width > 0 && paper->height == picture.height ? *paper : picture;
-  Image image = widened(picture, value_bar_width(picture.height, function, title), behind);
+  Image image = widened(picture, color_bar_width(picture.height, function, title), behind);
   const BarLayout bar(picture.height, function, title);
   const Rgba ink = ink_for(image);
   const double left = picture.width + bar.gap * 0.5, right = left + bar.thick;
@@ -276,10 +276,10 @@ int legend_width(int height, std::span<const LegendEntry> entries) {
   return static_cast<int>(std::ceil(widest + 4.2 * text));
 }
 
-Image paper_beside(const RenderOptions& o) {
+Image annotation_background(const RenderOptions& o) {
   Image paper(1, o.view.height);
   const float u = (static_cast<float>(o.view.width) - 0.5f) / static_cast<float>(o.view.width);
-  for (int y = 0; y < o.view.height && o.look.behind().kind != Background::Kind::transparent; ++y) {
+  for (int y = 0; y < o.view.height && o.look.effective_background().kind != Background::Kind::transparent; ++y) {
     const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(o.view.height);
     const Vec3f color = srgb_color(background_light(o, u, v));
     paper.at(0, y) = {color.x, color.y, color.z, 1};
@@ -287,7 +287,7 @@ Image paper_beside(const RenderOptions& o) {
   return paper;
 }
 
-Image beside_legend(const Image& picture, std::span<const LegendEntry> entries, const Image* paper) {
+Image with_legend(const Image& picture, std::span<const LegendEntry> entries, const Image* paper) {
   const int added = legend_width(picture.height, entries);
   if (added == 0 || picture.width < 1) return picture;
   Image image = widened(picture, added, paper ? *paper : picture);
@@ -316,7 +316,7 @@ void draw_box_edges(Image& image, const Box3& box, const PictureFrame& frame, co
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (int c = 0; c < 4; ++c) {
       const BoxEdge e{axis, {(c & 1) != 0, (c & 2) != 0}};
-      // An edge between two faces that are seen would cross what it bounds.
+      // An edge between two visible faces would cross the content.
       if (face_seen(box, (axis + 1) % 3, e.high[0], eye) && face_seen(box, (axis + 2) % 3, e.high[1], eye)) continue;
       const auto a = seen_at(on_edge(box, e, box.lower[axis]), frame, camera, image);
       const auto b = seen_at(on_edge(box, e, box.upper[axis]), frame, camera, image);
@@ -336,7 +336,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
   };
   std::vector<Label> labels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // The lowest of the edges of the silhouette; of upright ones that on the left.
+    // The lowest edge of the silhouette; of upright ones the leftmost.
     std::optional<BoxEdge> best;
     double rank = 0;
     for (int c = 0; c < 4; ++c) {
@@ -354,7 +354,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
     const auto b = *seen_at(on_edge(box, *best, box.upper[axis]), frame, camera, image);
     const double length = std::hypot(b.first - a.first, b.second - a.second);
     if (length < 6 * text) continue;
-    double nx = -(b.second - a.second) / length, ny = (b.first - a.first) / length;  // away from the middle
+    double nx = -(b.second - a.second) / length, ny = (b.first - a.first) / length;  // away from the centre
     if (nx * (0.5 * (a.first + b.first) - middle->first) + ny * (0.5 * (a.second + b.second) - middle->second) < 0)
       nx = -nx, ny = -ny;
     const std::vector<double> ticks =
@@ -364,7 +364,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
     const auto write = [&](double x, double y, const std::string& what) {
       const double w = stroke_width(what, text);
       widest = std::max(widest, w);
-      // Where two axes meet, one of their values is enough.
+      // Where two axes meet, one value is enough.
       const double rim = 0.5 * text, middle_x = x + 0.5 * w * std::clamp(1.4 * nx, -1.0, 1.0);
       x = std::clamp(middle_x, rim + 0.5 * w, std::max(rim + 0.5 * w, image.width - rim - 0.5 * w));
       const Label own{x - 0.5 * w - rim, y - text - rim, x + 0.5 * w + rim, y + text + rim};
@@ -386,7 +386,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
 
 void draw_scale_bar(Image& image, const PictureFrame& frame, const Camera& camera, double length,
                     const std::string& unit) {
-  const double width = 2 * static_cast<double>(camera.half_width) * frame.size * length;  // of the picture
+  const double width = 2 * static_cast<double>(camera.half_width) * frame.size * length;  // width of the picture
   const std::vector<double> steps = round_ticks(0, width, 5);
   if (!camera.parallel || steps.size() < 2 || !(width > 0)) return;
   const double bar = steps[1] / width * image.width;

@@ -11,9 +11,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A letter on a raster: points are a digit (from the left) and a letter (c: on the line, j: height of capitals, a:
-/// lowest), strokes are separated by blanks. Those that begin with ~ are curves, which the points between the ends pull
-/// towards themselves.
+/// A letter on a raster. A point is a digit (from the left) and a letter (c: on the line, j: height of capitals, a:
+/// lowest); blanks separate strokes. Strokes that begin with ~ are curves, with the inner points as control points.
 struct Letter {
   std::uint32_t code;
   int width;
@@ -128,9 +127,9 @@ constexpr Letter kLetters[] = {
 };
 constexpr Letter kUnknownLetter{0, 3, "0c0j3j3c0c"};
 constexpr double kBetween = 2.2;  // units between letters
-constexpr double kCapital = 7;    // units that a capital is high
+constexpr double kCapital = 7;    // height of a capital in units
 
-/// The next character of UTF-8; a byte that makes no sense is one of its own.
+/// The next character of UTF-8; an invalid byte counts as one character.
 std::uint32_t next_code(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
   const std::uint32_t first = byte(0);
@@ -153,7 +152,7 @@ const Letter& letter_of(std::uint32_t code) {
 
 using Spots = std::vector<std::pair<double, double>>;
 
-/// A stroke as a chain of straight pieces, in units.
+/// A stroke as a chain of line segments, in units.
 Spots chain_of(std::string_view stroke) {
   const bool curved = !stroke.empty() && stroke[0] == '~';
   if (curved) stroke.remove_prefix(1);
@@ -191,7 +190,7 @@ void lay_ink(Rgba& pixel, const Rgba& ink, double cover) {
   pixel[3] = sum;
 }
 
-/// Chains of one letter or line: where pieces overlap, the ink counts once.
+/// Chains of one letter or line: overlapping segments count once.
 void draw_chains(Image& image, const std::vector<Spots>& chains, double width, const Rgba& ink) {
   double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30;
   for (const Spots& chain : chains)
@@ -215,7 +214,7 @@ void draw_chains(Image& image, const std::vector<Spots>& chains, double width, c
 
 void draw_line(Image& image, double x0, double y0, double x1, double y1, double width, const Rgba& ink) {
   if (!(std::isfinite(x0) && std::isfinite(y0) && std::isfinite(x1) && std::isfinite(y1))) return;
-  // Piece by piece, so that slanted lines do not visit the whole of their box.
+  // Draws slanted lines in pieces, to visit only pixels near the line.
   const int pieces = index_in<int>(std::hypot(x1 - x0, y1 - y0) / 32, 1, 4096);
   if (pieces == 1 || ink[3] < 1) return draw_chains(image, {{{x0, y0}, {x1, y1}}}, width, ink);
   for (int i = 0; i < pieces; ++i) {

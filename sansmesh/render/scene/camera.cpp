@@ -59,10 +59,10 @@ ViewDirection view_from(const Vec3& direction, UpAxis up) {
 
 namespace {
 
-/// With the axes of that view, still at 0.
+/// A camera with the axes of that view, at the origin.
 Camera turned_camera(const ViewDirection& view, UpAxis up, double field_of_view, double aspect) {
   const double azimuth = view.azimuth * std::numbers::pi / 180, elevation = view.elevation * std::numbers::pi / 180;
-  // In a frame with y up; right follows from the azimuth alone, so that nothing is undefined straight above.
+  // In a frame with y up; `right` depends only on the azimuth, so that views from straight above are defined.
   Vec3 right{std::cos(azimuth), 0, -std::sin(azimuth)};
   Vec3 backward{std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth)};
   if (up == UpAxis::z) {
@@ -116,18 +116,18 @@ Camera frame_camera(std::span<const Vec3f> points, const ViewDirection& view, Up
     const double half_height = std::max({across / aspect, along, 1e-6}) / (1 - margin);
     camera.half_height = static_cast<float>(half_height);
     camera.half_width = static_cast<float>(half_height * aspect);
-    // In front of everything, as far as the subject is large: what else there is may reach beyond the points.
+    // In front of everything, at a distance of the subject's size: other content may extend beyond the points.
     camera.position = Vec3f(right * ((reach[0] - reach[1]) / 2) + above * ((reach[2] - reach[3]) / 2) +
                             backward * (reach[4] + radius + 2 * half_height));
     return camera;
   }
-  // From a camera at (cx, cy, d) a point is seen if |x − cx| <= a (d − z) and |y − cy| <= b (d − z): the sides of the
-  // pyramid are planes, so the farthest point against each of them decides.
+  // From a camera at (cx, cy, d) a point is visible if |x − cx| <= a (d − z) and |y − cy| <= b (d − z). The sides of
+  // the pyramid are planes, so the extreme point against each of them decides.
   const double half = std::tan(field_of_view * std::numbers::pi / 360);
   const double a = (aspect >= 1 ? half * aspect : half) * (1 - margin);
   const double b = (aspect >= 1 ? half : half / aspect) * (1 - margin);
   const Reach reach = reach_of(points, camera, a, b);
-  // A ball reaches radius · √(1 + a²) farther against a plane of slope a.
+  // A ball extends radius · √(1 + a²) farther against a plane of slope a.
   const double across = (reach[0] + reach[1]) / 2 + radius * std::sqrt(1 + a * a);
   const double along = (reach[2] + reach[3]) / 2 + radius * std::sqrt(1 + b * b);
   const double distance = std::max({across / a, along / b, (reach[4] + radius) + 1e-3});
@@ -139,7 +139,7 @@ Camera frame_camera(std::span<const Vec3f> points, const ViewDirection& view, Up
 void look_at(Camera& camera, const Vec3f& place) {
   const Vec3f d = place - camera.position;
   camera.position += dot(d, camera.right) * camera.right + dot(d, camera.up) * camera.up;
-  // A place behind the camera comes in front of it.
+  // Moves the camera back if the point is behind it.
   const float depth = -dot(d, camera.backward), least = 0.01f;
   if (depth < least) camera.position += (least - depth) * camera.backward;
 }
@@ -151,7 +151,7 @@ void zoom(Camera& camera, double factor) {
 
 double zoom_on_ball(const Camera& camera, double depth, double radius, double margin) {
   const double half = static_cast<double>(std::min(camera.half_width, camera.half_height)) * (1 - margin);
-  // The rim of the ball is seen at a slope of r/√(d² − r²).
+  // The silhouette of the ball has a slope of r/√(d² − r²).
   const double slope = camera.parallel ? radius : radius / std::sqrt(std::max(depth * depth - radius * radius, 1e-12));
   return half / slope;
 }

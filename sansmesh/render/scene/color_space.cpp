@@ -32,7 +32,7 @@ Vec3 lab_of_msh(const Vec3& msh) {
           msh.x * std::sin(msh.y) * std::sin(msh.z)};
 }
 
-/// The hue to take for a colour without any, so that it leads to the other one evenly.
+/// Hue for an unsaturated colour, so that interpolation to the other colour is uniform.
 double unsaturated_hue(const Vec3& saturated, double m) {
   if (saturated.x >= m - 0.1) return saturated.z;
   const double spin =

@@ -1,4 +1,4 @@
-// Colours by name.
+// Named colours.
 #pragma once
 
 #include <optional>
@@ -10,17 +10,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// sRGB 0..1 of "#rrggbb", three levels of 0..255 in two hexadecimal digits each; nothing for any other text.
+/// sRGB 0..1 of "#rrggbb" with two hexadecimal digits per channel; empty for any other text.
 std::optional<Vec3f> color_of_hex(std::string_view text);
 
-/// The same of "#rrggbb" or a name (red, orange, …); nothing of any other text.
+/// The same of "#rrggbb" or a name (red, orange, …); empty for any other text.
 std::optional<Vec3f> color_of_word(std::string_view word);
-/// The names, with commas between them.
+/// The names, separated by commas.
 std::string color_words();
-/// "#rrggbb", the nearest that there is.
+/// The nearest "#rrggbb".
 std::string hex_of_color(const Vec3f& color);
 
-/// A colour as an option (sansmesh/option.h).
+/// Conversions of a colour option (sansmesh/option.h).
 struct ColorOption {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const Vec3f& color) { return hex_of_color(color); }

@@ -10,7 +10,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr std::ptrdiff_t kMostAround = 512;  // every pair of triangles around a vertex is compared
+constexpr std::ptrdiff_t kMostAround = 512;  // limit, because all pairs of triangles around a vertex are compared
 const float kVertexCosine = std::cos(30 * std::numbers::pi_v<float> / 180);
 const float kCreaseCosine = std::cos(35 * std::numbers::pi_v<float> / 180);
 

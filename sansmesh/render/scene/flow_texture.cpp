@@ -14,12 +14,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kSide = 4;          // of a block, in pixels
+constexpr int kSide = 4;          // side of a block, in pixels
 constexpr float kSameSheet = 8;   // steps in depth between neighbours
-constexpr float kAcross = 1e-3f;  // share of a vector that must lie along the surface
+constexpr float kAcross = 1e-3f;  // least tangential share of a vector
 constexpr float kDarkest = 0.1f, kBrightest = 2.2f;
 
-/// Evenly between −√3 and √3, another number for each cell of space and each level.
+/// A number between −√3 and √3, uniformly distributed over the cells of space and the levels.
 float cell_noise(const std::array<std::int32_t, 3>& cell, std::int32_t level) {
   std::uint32_t h = 0x9E3779B9u * static_cast<std::uint32_t>(level + 64);
   for (const std::int32_t c : cell) {
@@ -31,14 +31,15 @@ float cell_noise(const std::array<std::int32_t, 3>& cell, std::int32_t level) {
   return (static_cast<float>(h >> 8) * 0x1p-23f - 1) * std::numbers::sqrt3_v<float>;
 }
 
-/// Solid noise whose cells are about `size` wide: between two octaves, so that nothing jumps where the size changes.
+/// Solid noise with cells of width about `size`: interpolates two octaves, so that it is continuous where the size
+/// changes.
 float solid_noise(const Vec3f& at, float size) {
   const float level = std::log2(size), low = std::floor(level), t = level - low;
   float sum = 0;
   for (int octave = 0; octave < 2; ++octave) {
     const float scale = std::exp2(-(low + static_cast<float>(octave)));
     std::array<std::int32_t, 3> cell;
-    // Off the origin: planes through it would lie between cells.
+    // Shifted off the origin: coordinate planes would be boundaries of cells.
     for (std::size_t k = 0; k < 3; ++k) cell[k] = whole_part<std::int32_t>(std::floor((at[k] + 8) * scale + 0.37f));
     sum += (octave == 0 ? 1 - t : t) * cell_noise(cell, index_in<std::int32_t>(low, -200, 200) + octave);
   }
@@ -114,12 +115,12 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
 }
 
 inline std::size_t FlowTexture::slot(int x, int y) const {
-  const auto u = static_cast<unsigned>(x), v = static_cast<unsigned>(y);  // whose division is a shift
+  const auto u = static_cast<unsigned>(x), v = static_cast<unsigned>(y);  // unsigned, so that divisions are shifts
   const unsigned block = v / kSide * static_cast<unsigned>(across_) + u / kSide;
   return block * kSide * kSide + v % kSide * kSide + u % kSide;
 }
 
-/// Of a place beyond the picture's border the nearest: painters look a little beyond it.
+/// Points beyond the picture's border map to the nearest pixel: painters sample slightly beyond it.
 std::size_t FlowTexture::slot(const Vec3f& origin, const Vec3f& direction) const {
   const Vec3f way = camera_.parallel ? origin - camera_.position : direction;
   const float ahead = camera_.shrink(-dot(way, camera_.backward));
@@ -136,7 +137,7 @@ FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& pl
   const Vec3f along = point.vector - dot(point.vector, point.normal) * point.normal;
   const float length = norm(along);
   if (!(e.depth > 0) || !(length > kAcross * norm(point.vector))) return e;
-  // One pixel's width in space, as it is seen.
+  // Width of a pixel in space at this depth.
   const float scale = camera_.shrink(e.depth), step = footprint_ * scale / length;
   const float away = camera_.parallel ? 0 : -dot(along, camera_.backward);
   const float x = dot(from, camera_.right) / scale, y = dot(from, camera_.up) / scale;
@@ -167,7 +168,7 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
   const int steps = static_cast<int>(kernel_.size() / 2);
   const float* weights = kernel_.data() + steps;
   float light = 0, power = 0;
-  // Steps that stay in a pixel see the same noise: it counts once, with all their weights.
+  // Steps within one pixel see the same noise: it counts once with the sum of their weights.
   const auto lay = [&](const Entry& entry, float weight) {
     light += weight * entry.noise;
     power += weight * weight;
@@ -202,7 +203,7 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
     leave();
   }
   lay(from, middle);
-  // Short lines, too, get the full contrast: what counts is the variance of the sum.
+  // Short lines also have the full contrast: the sum is normalised by its variance.
   return power > 0 ? light / std::sqrt(power) : 0;
 }
 
@@ -217,7 +218,7 @@ void FlowTexture::convolve(const FlowTextureOptions& options) {
     if (options.phase) w *= 0.5f * (1 + std::cos(2 * pi * (at + static_cast<float>(*options.phase))));
     kernel_.push_back(w);
   }
-  // Steps within a cell of the noise add up.
+  // Noise of steps within one cell is correlated.
   const float gain = static_cast<float>(options.streak_contrast / std::sqrt(std::max(1.0, options.streak_width)));
   factors_.assign(entries_.size(), 1);
   parallel_for(0, static_cast<std::size_t>((height_ + kSide - 1) / kSide), 1, [&](std::size_t r) {

@@ -36,8 +36,9 @@ float Lighting::sheen(const Vec3f& normal, const Vec3f& direction) const {
 }
 
 Vec3f background_light(const RenderOptions& options, float x, float y) {
-  if (options.look.behind().kind == Background::Kind::solid) return linear_color(options.look.behind().color);
-  // A pool of light behind the subject.
+  if (options.look.effective_background().kind == Background::Kind::solid)
+    return linear_color(options.look.effective_background().color);
+  // A bright spot behind the subject.
   const float dx = x - 0.5f, dy = y - 0.55f;
   const float t = std::min(1.0f, 1.9f * (dx * dx + dy * dy));
   return mix(Vec3f{0.93f, 0.935f, 0.94f}, Vec3f{0.60f, 0.63f, 0.67f}, t);

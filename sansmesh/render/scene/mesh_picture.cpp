@@ -11,7 +11,7 @@ Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progre
   options.validate();
   Subject subject = make_subject(mesh, options);
   const float radius = subject.radius;
-  const float below = subject.mesh.normals.empty() ? radius : 0;  // balls reach below the lowest point, discs hardly
+  const float below = subject.mesh.normals.empty() ? radius : 0;  // balls extend below the lowest point, discs hardly
   const PictureFrame frame = subject.frame;
   const Camera camera = picture_camera(subject.mesh.vertices, frame, options, radius);
   const MeshScene scene(std::move(subject), options, camera);

@@ -15,12 +15,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
-constexpr float kDiscOverSpacing = 1.3f;  // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
+constexpr float kOffset = 2e-4f;          // share of the diagonal: hides the rounding of floats
+constexpr float kDiscOverSpacing = 1.3f;  // discs at random positions leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
-constexpr float kBehind = 1e-5f;  // of the diagonal: less would find the same triangle again
+constexpr float kBehind = 1e-5f;  // share of the diagonal: less would find the same triangle again
 
-/// Drops what cannot be drawn; keeps the order of what can.
+/// Removes undrawable elements; keeps the order of the rest.
 Subject drawable(const TriangleMesh& mesh, std::span<const Vec3f> vectors) {
   const std::size_t count = mesh.vertices.size();
   std::vector<char> kept(count, mesh.triangles.empty());
@@ -61,7 +61,7 @@ RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
 
 namespace {
 
-/// `frame` for vertices as they stand in the mesh; null: that of their box.
+/// `frame`: frame of the vertices; null: that of their box.
 Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const RenderOptions& options,
                        const PictureFrame* frame) {
   Subject subject = drawable(mesh, vectors);
@@ -72,7 +72,7 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
   Box3 box;
   for (const Vec3f& p : own.vertices) box.extend(Vec3(p));
   double size = box.diagonal();
-  if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices are in one place");
+  if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices coincide");
 
   if (own.triangles.empty()) {
     double radius = options.look.point_radius.value_or(0);
@@ -81,7 +81,7 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
       cloud.positions = own.vertices;
       radius = estimate_spacing(cloud) * (own.normals.empty() ? kBallOverSpacing : kDiscOverSpacing);
     }
-    if (!(size > 0)) size = radius > 0 ? 4 * radius : 1;  // all points in one place
+    if (!(size > 0)) size = radius > 0 ? 4 * radius : 1;  // all points coincide
     if (frame) size = frame->size;
     subject.radius = static_cast<float>(radius > 0 ? radius / size : 0.25);
   }
@@ -106,9 +106,9 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, con
 
 namespace {
 
-/// Where a disc that looks along the ray is lit from. At the rim of a shape those of its far side stick out: they are
-/// of the rim, whose neighbours they continue, not of the inside, where it is dark. Discs that look away are seen from
-/// behind, as sheets are.
+/// Lighting normal of a disc nearly parallel to the ray. At the silhouette of a shape, discs of its far side are
+/// visible. They belong to the silhouette, whose neighbours they continue, not to the dark inside. Discs that face
+/// farther away are seen from behind, like sheets.
 Vec3f back_of_disc(const Vec3f& normal, const Vec3f& direction) {
   const float away = dot(normal, direction);
   const float t = std::clamp((away - 0.3f) / 0.4f, 0.0f, 1.0f), behind = t * t * (3 - 2 * t);
@@ -152,9 +152,9 @@ SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
   for (std::size_t k = 0; k < 3 && !subject_.vectors.empty(); ++k) point.vector += weight[k] * subject_.vectors[t[k]];
   if (corner_normals_.empty()) return point;
 
-  // The surface that the smooth normals suggest bulges out of the triangle. Rays towards the light start there: from
-  // the triangle itself, neighbours would block them along the edge of the shade (Hanika, Hacking the Shadow
-  // Terminator, Ray Tracing Gems II, 2021).
+  // The surface implied by the smooth normals bulges out of the triangle. Shadow rays start there: from the triangle
+  // itself, neighbours would block them along the shadow boundary (Hanika, Hacking the Shadow Terminator, Ray Tracing
+  // Gems II, 2021).
   Vec3f normal, lift;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3f& n = corner_normals_[3 * hit.primitive + k];
@@ -173,23 +173,23 @@ SurfacePoint MeshScene::seen(const RayHit& hit, const Vec3f& eye, const Vec3f& d
   if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit.primitive);
   const float side = dot(hit.normal, direction) > 0 ? -1.0f : 1.0f;
   if (!wires_.empty()) {
-    // Lines are black ink: they take the light, and mirror none.
+    // Lines are black ink: they absorb light and have no highlights.
     const float ink = only_wires_ ? 1 : wires_.cover(hit, eye, direction);
     point.color = mix(point.color, wire_color_, ink);
     point.gloss *= 1 - ink;
   }
-  // Seen from behind, the suggested surface lies on the far side.
+  // Seen from behind, the implied surface is on the far side.
   if (side < 0) point.position = at;
   Vec3f away = hit.normal * side;  // from the surface
   point.normal = point.normal * side;
   if (cloud && side < 0) point.normal = away = back_of_disc(hit.normal, direction);
-  // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
+  // Discs and balls of a rough cloud intersect each other: neighbours must not shade them.
   point.position += away * (kOffset + subject_.radius);
   if (subject_.opacity < 1 && !cloud) point.opacity = sheet_opacity(subject_.opacity, dot(point.normal, direction));
   return point;
 }
 
-/// Whether only lines are drawn, and there is none.
+/// Whether only lines are drawn, and there is none here.
 bool MeshScene::clear(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const {
   return only_wires_ && !wires_.empty() && wires_.cover(hit, eye, direction) < 0.5f;
 }
@@ -206,7 +206,7 @@ void MeshScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoin
 
 void MeshScene::layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const {
   if (!(subject_.opacity < 1) || subject_.mesh.triangles.empty()) return PictureScene::layers(rays, first, points);
-  // Round after round from just behind what was found last.
+  // Repeatedly casts from just behind the last hit.
   struct Found {
     std::uint32_t ray;
     SurfacePoint point;

@@ -1,4 +1,4 @@
-// What a picture shows: a mesh or cloud, cleaned, scaled to a handy size and ready for rays.
+// Scene of a mesh or cloud, cleaned and scaled.
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// The part of a mesh that can be drawn, moved and scaled so that its box is centred at 0 with a diagonal of 1.
+/// The drawable part of a mesh, moved and scaled to a box with centre 0 and diagonal 1.
 struct Subject {
   TriangleMesh mesh;           ///< finite vertices, used by triangles if there are any; corners exist
-  std::vector<Vec3f> vectors;  ///< of a flow at its vertices; may be empty
-  float radius = 0;            ///< of points; 0 for triangles
-  PictureFrame frame;          ///< where all that lies in the world
-  /// Of a sheet of triangles seen at right angles, 0..1; seen at others it is thicker.
+  std::vector<Vec3f> vectors;  ///< flow at the vertices; may be empty
+  float radius = 0;            ///< radius of points; 0 for triangles
+  PictureFrame frame;          ///< position and size in world coordinates
+  /// Opacity of a triangle that faces the viewer, 0..1; it increases at oblique angles.
   float opacity = 1;
 };
 
-/// Throws DataError where nothing is left.
+/// Throws DataError if nothing is left.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options);
-/// The same in coordinates of the caller's choice, given for positions in the world. `vectors` at the vertices of the
-/// mesh, or none.
+/// The same in a given frame. `vectors` at the vertices of the mesh, or none.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame,
                      std::span<const Vec3f> vectors = {});
 
@@ -49,8 +48,8 @@ class MeshScene : public PictureScene {
 
   Subject subject_;
   RayScene rays_;
-  std::vector<Vec3f> corner_normals_;  // empty: flat
-  std::vector<float> linear_;          // linear light of a byte
+  std::vector<Vec3f> corner_normals_;  // empty: flat shading
+  std::vector<float> linear_;          // linear light for each byte value
   MeshWires wires_;
   bool only_wires_ = false;
   Vec3f color_, wire_color_;

@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
+
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNoOther = std::numeric_limits<std::uint32_t>::max();
-
-/// Of each vertex the first one at the same place: seams are no borders.
-std::vector<std::uint32_t> first_at_place(const std::vector<Vec3f>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t v) { return std::tuple(vertices[v].x, vertices[v].y, vertices[v].z, v); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && vertices[order[i]] == vertices[order[i - 1]] ? first[order[i - 1]] : order[i];
-  return first;
-}
 
 struct WireEdge {
   std::uint32_t a, b, triangle, corner;
@@ -38,7 +28,8 @@ MeshWires::MeshWires(const TriangleMesh& mesh, const Camera& camera, int height,
       half_(static_cast<float>(0.5 * width)),
       sharpness_(static_cast<float>(samples)),
       others_(mesh.triangles.size(), {kNoOther, kNoOther, kNoOther}) {
-  const std::vector<std::uint32_t> place = first_at_place(mesh.vertices);
+  // Seams are no borders.
+  const std::vector<std::uint32_t> place = first_equal_positions(mesh.vertices);
   std::vector<WireEdge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -72,7 +63,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
   const float area = squared_norm(n);  // four times its square
   const float ahead = -dot(direction, camera_.backward), facing = dot(n, direction);
   if (!(area > 0) || !(ahead > 0) || facing == 0) return 0;
-  // How the place on the triangle's plane moves with the ray, a pixel to the right and a pixel up.
+  // Displacement on the triangle's plane for one pixel to the right and one pixel up.
   const float step = pixel_ * camera_.shrink(hit.distance * ahead);
   const auto moved = [&](const Vec3f& axis) { return step * (axis - direction * (dot(n, axis) / facing)); };
   const Vec3f right = moved(camera_.right), up = moved(camera_.up);
@@ -80,7 +71,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
   const Vec3f at = origin + hit.distance * direction;
   float most = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    // The weight of a corner falls to 0 at the edge opposite to it.
+    // The weight of a corner decreases to 0 at the opposite edge.
     const Vec3f slope = cross(n, corners[(k + 2) % 3] - corners[(k + 1) % 3]);
     const float a_pixel = std::hypot(dot(slope, right), dot(slope, up)) / area;
     if (!(a_pixel > 0)) continue;
@@ -89,7 +80,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
     const std::uint32_t other = others_[hit.primitive][k];
     bool shared = other != kNoOther;
     if (shared) {
-      // Turned as this one, and seen from the same side.
+      // Oriented like this one, and visible from the same side.
       const Vec3f ray = camera_.parallel ? direction : at - origin;
       shared = (dot(normal(other), ray) > 0) == (facing > 0);
     }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/curvature_field.h"
@@ -27,13 +28,13 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kTile = 64;
-constexpr int kBlock = 17;               // pixels whose rays go together: a quarter of a tile with its rim
-constexpr int kCoherent = 4;             // of which a square's rays stand in a row
-constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
-constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
-constexpr int kExposureRays = 4;         // a sample at least, where they are all that there is to see
-constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
-constexpr float kFarthestLook = 1e9f;    // of the middle of the picture from what is drawn, which is about 1 large
+constexpr int kBlock = 17;               // pixels per batch of rays: a quarter of a tile with its rim
+constexpr int kCoherent = 4;             // side of squares of consecutive pixels in a batch
+constexpr float kOcclusionReach = 0.5f;  // share of the diagonal, so that interiors are lit, too
+constexpr float kLightSpread = 0.13f;    // angular radius of the key light seen from the subject, radians
+constexpr int kExposureRays = 4;         // per sample, if only accessibility is shown
+constexpr float kBounce = 0.22f;         // light that occluders reflect instead of the sky
+constexpr float kFarthestLook = 1e9f;    // distance of the picture's centre from the scene, whose size is about 1
 constexpr double kMostZoom = 1e9;
 
 /// Rays of a block, and their answers.
@@ -44,10 +45,10 @@ struct Batch {
   std::vector<std::optional<SurfacePoint>> points;
   std::vector<ShadowRay> rays;
   std::vector<std::uint8_t> answers;
-  std::vector<float> access;  // of the pixels: light by how the surface is bent
+  std::vector<float> access;  // per pixel: accessibility factor of the curvature
 };
 
-/// A pixel is worked out twice: the first time it says what rays it would like to know about, ...
+/// Each pixel is computed twice: the first pass records its rays, ...
 struct Recorder {
   std::vector<ShadowRay>& rays;
   bool operator()(const Vec3f& origin, const Vec3f& direction, float length) const {
@@ -55,14 +56,14 @@ struct Recorder {
     return false;
   }
 };
-/// ... the second time it gets the answers. Which rays it asks for must not depend on them.
+/// ... the second pass receives the answers. The recorded rays must not depend on the answers.
 struct Replay {
   const std::uint8_t* next;
   bool operator()(const Vec3f& origin, const Vec3f& direction, float length) { return *next++ != 0; }
 };
 
-/// Light by a mean curvature, over that of a ball as large as the reach of the exposure; never below 0, which a
-/// deep groove comes to where `most` is 1.
+/// Factor of a mean curvature, relative to that of a ball with the radius of the accessibility; clamped to 0, which a
+/// deep groove reaches if `most` is 1.
 float bend_factor(float bend, float most) {
   if (std::isnan(bend)) return 1;
   return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend));
@@ -73,7 +74,7 @@ Box3f box_in_picture(const Box3& box, const PictureFrame& frame) {
   return {frame.to_picture(box.lower), frame.to_picture(box.upper)};
 }
 
-/// What frames a picture: the points, or the corners of what their box has in common with that of the options.
+/// Points that frame a picture: the given ones, or the corners of their box intersected with that of the options.
 std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFrame& frame, const Box3& clip) {
   Box3f box = box_in_picture(clip, frame), all;
   for (const Vec3f& p : points) all.extend(p);
@@ -81,20 +82,20 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
     box.lower[k] = std::max(box.lower[k], all.lower[k]);
     box.upper[k] = std::min(box.upper[k], all.upper[k]);
   }
-  if (box.empty()) throw ArgumentError("`clip_box` holds nothing of what is drawn");
+  if (box.empty()) throw ArgumentError("`clip_box` contains no part of the scene");
   std::vector<Vec3f> corners;
   corners.reserve(8);
-  for (int c = 0; c < 8; ++c)
-    corners.push_back(
-        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+  for (int c = 0; c < 8; ++c) corners.push_back(box_corner(box, c));
   return corners;
 }
 
-/// What lines alone are drawn on.
+/// Background of pure line drawings.
 Image paper(const RenderOptions& options) {
-  if (options.look.behind().kind == Background::Kind::transparent)
+  if (options.look.effective_background().kind == Background::Kind::transparent)
     return Image(options.view.width, options.view.height, {0, 0, 0, 0});
-  const Vec3f c = options.look.behind().kind == Background::Kind::solid ? options.look.behind().color : Vec3f{1, 1, 1};
+  const Vec3f c = options.look.effective_background().kind == Background::Kind::solid
+                      ? options.look.effective_background().color
+                      : Vec3f{1, 1, 1};
   return Image(options.view.width, options.view.height, {c.x, c.y, c.z, 1});
 }
 
@@ -118,12 +119,11 @@ Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, 
   double factor = options.view.zoom;
   if (options.view.look_at) {
     const Vec3f place = frame.to_picture(*options.view.look_at);
-    // Rays that begin farther away lead nowhere in float.
-    if (!(norm(place - middle) <= kFarthestLook))
-      throw ArgumentError("`look_at` lies too far away from everything that could be seen");
+    // Floats cannot represent rays from farther away.
+    if (!(norm(place - middle) <= kFarthestLook)) throw ArgumentError("`look_at` is too far away from the scene");
     look_at(camera, place);
     if (options.view.look_radius)
-      factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth),
+      factor = zoom_on_ball(camera, static_cast<double>(camera.project(place).depth),
                             *options.view.look_radius / frame.size, kPictureMargin);
   }
   if (!(factor >= 1 / kMostZoom && factor <= kMostZoom))
@@ -178,9 +178,9 @@ class Painter::Work {
         spots_(spread_over_disc(kParts * options.quality.samples * options.quality.samples * std::max(1, sky_rays_))),
         footprint_(2 * camera.half_height / static_cast<float>(options.view.height)),
         rim_(smooth_light ? kSmooth : 0),
-        paper_(opaque_color(Pixel{}, linear_color(options.look.behind().color))) {}
+        paper_(opaque_color(Pixel{}, linear_color(options.look.effective_background().color))) {}
 
-  /// Lets shadows fall on the plane that far below the lowest point.
+  /// Adds a ground plane for shadows, `below` under the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
     Box3f box;
     for (const Vec3f& p : points) box.extend(p);
@@ -191,7 +191,7 @@ class Painter::Work {
     Vec3f half = box.size() * 0.5f;
     half[axis] *= 0.5f;
     shadow_reach_ = 1.6f * norm(half) + below;
-    // From below or along the ground there is nothing that a shadow could fall on.
+    // From below or parallel to the ground, no shadow is visible.
     const bool above = camera_.parallel ? dot(camera_.backward, up_frame_.n) > 1e-3f
                                         : dot(camera_.position, up_frame_.n) > floor_ + 0.02f;
     ground_ = above && dot(key_frame_.n, up_frame_.n) > 0.1f;
@@ -217,7 +217,7 @@ class Painter::Work {
     const int right = std::min(left + kTile, image.width), bottom = std::min(top + kTile, image.height);
     Batch batch(camera_);
     std::vector<Pixel> pixels;
-    if (rim_ == 0) {  // each block is done with once it has been looked at
+    if (rim_ == 0) {  // without smoothing, each block is finished immediately
       constexpr int kStride = kBlock - 1;
       pixels.resize(static_cast<std::size_t>(kStride) * kStride);
       for (int v = top; v < bottom; v += kStride)
@@ -235,7 +235,7 @@ class Painter::Work {
     const auto at = [&](int x, int y) -> Pixel& {
       return pixels[static_cast<std::size_t>((y - top + kSmooth) * kStride + x - left + kSmooth)];
     };
-    // A rim around the tile serves to smooth, beyond the picture's border as well.
+    // A rim around the tile is needed for smoothing, also beyond the picture's border.
     for (int y = top - rim_; y < bottom + rim_; y += kBlock)
       for (int x = left - rim_; x < right + rim_; x += kBlock)
         look(x, y, std::min(x + kBlock, right + rim_), std::min(y + kBlock, bottom + rim_), batch, at);
@@ -243,7 +243,7 @@ class Painter::Work {
       for (int x = left; x < right; ++x) image.at(x, y) = finish(smoothed(at, x, y), x, y);
   }
 
-  /// All pixels of a block, whose rays go together.
+  /// Computes all pixels of a block, with their rays in one batch.
   template <class At>
   void look(int left, int top, int right, int bottom, Batch& batch, const At& at) const {
     const int n = options_.quality.samples;
@@ -284,7 +284,7 @@ class Painter::Work {
     all_pixels(replay);
   }
 
-  /// More light where the surface is bent outwards, less where inwards, by the first ray of each pixel that hits.
+  /// Factors above 1 for convex and below 1 for concave curvature, at the first ray of each pixel that hits.
   void find_access(Batch& batch) const {
     batch.access.assign(batch.pixels.size(), 1);
     if (options_.look.curvature == nullptr || options_.look.curvature_shading == 0) return;
@@ -301,7 +301,7 @@ class Painter::Work {
       normals.push_back(batch.points[i]->normal);
       whose.push_back(p);
     }
-    std::vector<SurfaceBend> bends(places.size());
+    std::vector<SurfaceCurvature> bends(places.size());
     if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
@@ -323,7 +323,7 @@ class Painter::Work {
         add_surface(*points[s], eye.directions[first + static_cast<std::size_t>(s)], part * n * n + s, sum, blocked);
         ++on;
         cover += points[s]->cover;
-      } else if (s % 2 == 0) {  // smooth as it is, the shadow needs no more
+      } else if (s % 2 == 0) {  // the shadow is smooth: half of the samples suffice
         const std::size_t ray = first + static_cast<std::size_t>(s);
         sum.dark += ground_shadow(eye.origin(ray), eye.directions[ray], part * asking + s / 2, blocked);
         sum.asked += 1;
@@ -339,8 +339,8 @@ class Painter::Work {
     return sum;
   }
 
-  /// Shadows become means over the neighbours on the same smooth piece of surface, which keeps few rays from showing;
-  /// shape and colour stay as they are.
+  /// Replaces shadows by means over neighbours on the same smooth piece of surface, to remove noise of few rays; shape
+  /// and colour stay.
   template <class At>
   Pixel smoothed(const At& at, int x, int y) const {
     Pixel pixel = at(x, y);
@@ -372,14 +372,12 @@ class Painter::Work {
   }
 
   Rgba finish(const Pixel& pixel, int x, int y) const {
-    if (options_.look.behind().kind == Background::Kind::transparent) return transparent_color(pixel);
-    if (options_.look.behind().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
-    Rgba color = opaque_color(pixel, background(x, y));
-    if (options_.look.behind().kind == Background::Kind::solid || pixel.cover > 0) return color;
-    // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
-    const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-    for (float& c : color) c = from_byte(to_byte(c, threshold));
-    return color;
+    if (options_.look.effective_background().kind == Background::Kind::transparent) return transparent_color(pixel);
+    if (options_.look.effective_background().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0)
+      return paper_;
+    const Rgba color = opaque_color(pixel, background(x, y));
+    if (options_.look.effective_background().kind == Background::Kind::solid || pixel.cover > 0) return color;
+    return dithered(color, x, y);
   }
 
   Vec3f background(int x, int y) const {
@@ -405,19 +403,19 @@ class Painter::Work {
     sum.fill += std::max(0.0f, dot(n, lighting_.fill));
     sum.sheen += point.gloss * lighting_.sheen(n, direction);
     const float facing = dot(n, lighting_.key);
-    // Where the surface turns away, whether the key light is blocked does not matter, except to the neighbours.
+    // Where the surface faces away, occlusion of the key light only matters to the neighbours.
     if (facing > 0) {
       sum.facing += facing;
       sum.shine += point.gloss * lighting_.shine(n, direction);
     }
-    if (options_.quality.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
+    if (options_.quality.samples > 1 && index % 2 != 0) return;  // the shadow is smooth: half of the samples suffice
     if (!options_.look.shadows || options_.look.accessibility ||
         (facing > 0 && !in_key_shadow(point.position, index, blocked)))
       sum.lit += 1;
     sum.lit_asked += 1;
   }
 
-  /// Light from all around that falls on the surface, and the share of it that is not blocked.
+  /// Ambient light on the surface, and its unoccluded share.
   template <class Blocked>
   void add_ambient(const SurfacePoint& point, int index, Pixel& sum, Blocked& blocked) const {
     const int rays = sky_rays_;
@@ -440,7 +438,7 @@ class Painter::Work {
     }
   }
 
-  /// How much darker the ground is for the subject standing on it, 0..1.
+  /// Darkening of the ground by the subject above it, 0..1.
   template <class Blocked>
   float ground_shadow(const Vec3f& origin, const Vec3f& direction, int index, Blocked& blocked) const {
     const Vec3f& up = up_frame_.n;
@@ -462,14 +460,14 @@ class Painter::Work {
   const RenderOptions& options_;
   Lighting lighting_;
   Around up_frame_, key_frame_;
-  int sky_rays_;  // of a sample
+  int sky_rays_;  // per sample
   float sky_reach_;
   PictureFrame frame_;
   std::vector<Spot> spots_;
   Vec3f foot_;
-  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
+  float footprint_ = 0;  // width of a pixel at distance 1, or of parallel rays at any distance
   int rim_ = kSmooth;    // pixels around a tile
-  Rgba paper_;           // where there is nothing on a solid background
+  Rgba paper_;           // empty pixels on a solid background
   float floor_ = 0, shadow_reach_ = 1;
   bool ground_ = false;
 };

@@ -1,4 +1,4 @@
-// From rays to pixels: soft light on whatever a scene holds.
+// Renders a scene to pixels with soft light.
 #pragma once
 
 #include <memory>
@@ -12,30 +12,30 @@
 
 namespace sansmesh::inline v1 {
 
-/// Share of the picture's half left free around the subject.
+/// Free share of the picture's half around the subject.
 constexpr double kPictureMargin = 0.13;
 
-/// The camera of a picture of these points (finite, in the painter's coordinates, those of `frame`), each a ball of the
-/// given radius, with that margin. Throws ArgumentError where no point lies near the box that the options ask for.
+/// Camera of a picture of these points (finite, in coordinates of `frame`), each a ball of the given radius, with
+/// kPictureMargin. Throws ArgumentError if no point is near the box in the options.
 Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, const RenderOptions& options,
                       float radius = 0);
 
-/// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
+/// The subject's box should have centre 0 and a diagonal of about 1. All arguments must outlive the painter.
 class Painter {
  public:
-  /// `smooth_light`: shadows are means over neighbouring pixels; not needed where there are none.
+  /// `smooth_light`: shadows are averaged over neighbouring pixels; not needed without shadows.
   Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options, bool smooth_light = true);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// Lets shadows fall on the plane that far below the lowest point.
+  /// Adds a ground plane for shadows, `below` under the lowest point.
   void add_ground(std::span<const Vec3f> points, float below);
 
-  /// Where the painter's coordinates lie in those of the options' curvature.
+  /// Frame of the painter's coordinates in those of the options' curvature.
   void set_frame(const PictureFrame& frame);
 
-  /// In tiles, in parallel; the picture does not depend on the number of threads.
+  /// Paints tiles in parallel; the picture does not depend on the number of threads.
   Image paint(Progress& progress) const;
 
  private:
@@ -43,7 +43,7 @@ class Painter {
   std::unique_ptr<Work> work_;
 };
 
-/// Paints what of the scene the options show; the ground, if there is one, lies that far below the lowest point.
+/// Paints the visible part of the scene. A ground plane, if the options have one, is `below` under the lowest point.
 Image paint_scene(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
                   const RenderOptions& options, bool smooth_light, std::span<const Vec3f> points, float below,
                   Progress& progress);

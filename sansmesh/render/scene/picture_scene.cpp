@@ -6,10 +6,11 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/error.h"
 namespace sansmesh::inline v1 {
 
 float sheet_opacity(float opacity, float cosine) {
-  constexpr float kSteepest = 0.1f;  // from which on it does not get thicker
+  constexpr float kSteepest = 0.1f;  // least cosine: beyond it the thickness is constant
   return 1 - std::pow(1 - opacity, 1 / std::max(kSteepest, std::abs(cosine)));
 }
 
@@ -27,7 +28,7 @@ void PictureScene::layers(const EyeRays& rays, std::vector<std::size_t>& first,
 
 namespace {
 
-/// The part of a ray in a box; empty where near > far.
+/// The part of a ray in a box; empty if near > far.
 std::pair<float, float> part_in(const Box3f& box, const Vec3f& origin, const Vec3f& direction, float near, float far) {
   for (int k = 0; k < 3; ++k) {
     if (direction[k] == 0) {
@@ -41,7 +42,7 @@ std::pair<float, float> part_in(const Box3f& box, const Vec3f& origin, const Vec
   return {near, far};
 }
 
-/// The rays of a batch that meet the box, and how far they lie in it.
+/// The rays of a batch that meet the box, and their parts inside.
 struct RaysInBox {
   std::vector<std::uint32_t> kept;
   std::vector<Vec3f> origins, directions;
@@ -63,6 +64,12 @@ struct RaysInBox {
 };
 
 }  // namespace
+
+PictureFrame frame_of_points(const Box3& box) {
+  if (box.empty()) throw DataError("nothing to draw: no finite points");
+  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points coincide");
+  return {box.center(), box.diagonal()};
+}
 
 void ClippedScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
   const RaysInBox part(rays, box_);

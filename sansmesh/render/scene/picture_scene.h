@@ -1,4 +1,4 @@
-// What a painter asks of whatever it paints.
+// Interface of scenes for the painter.
 #pragma once
 
 #include <cstddef>
@@ -24,24 +24,27 @@ struct PictureFrame {
   Vec3f to_surface(const Vec3f& x) const { return Vec3f(Vec3(x) * size + center); }
 };
 
-/// Where a ray from the eye ends.
+/// Frame of points with this box. Throws DataError if it is empty or a single point.
+PictureFrame frame_of_points(const Box3& box);
+
+/// Intersection of an eye ray.
 struct SurfacePoint {
-  float distance = 0;  ///< from where the ray begins to the surface itself: what is in front of what goes by it
-  Vec3f position;      ///< just off the surface on the viewer's side: further rays start here
+  float distance = 0;  ///< from the ray's origin to the surface itself; the depth order of points
+  Vec3f position;      ///< just off the surface on the viewer's side: origin of secondary rays
   Vec3f normal;        ///< for shading, unit, on the viewer's side
   Vec3f color;         ///< share of light reflected, linear
   float gloss = 1;     ///< strength of highlights
-  Vec3f beyond{};      ///< light that mirrors and clear bodies send, linear; comes on top
-  float opacity = 1;   ///< share of the light from behind that is kept back; counts in layers() only
-  Vec3f vector{};      ///< of a flow there; 0 where there is none
-  float cover = 1;     ///< of what the ray stands for, the share that the surface covers; counts in closest() only
+  Vec3f beyond{};      ///< light from mirrors and clear bodies, linear; added to the surface's own
+  float opacity = 1;   ///< blocked share of the light from behind; only used in layers()
+  Vec3f vector{};      ///< flow vector at the point; 0 without flow
+  float cover = 1;     ///< share of the ray's footprint that the surface covers; only used in closest()
 };
 
-/// Rays from the eye, neighbours in the picture in neighbouring slots. Sizes must agree.
+/// Eye rays; neighbours in the picture are adjacent. Sizes must agree.
 struct EyeRays {
-  std::span<const Vec3f> origins;     ///< one for all, or one for each
+  std::span<const Vec3f> origins;     ///< one common origin, or one per ray
   std::span<const Vec3f> directions;  ///< unit vectors
-  /// Only what is at least as far as this counts, and no farther than that; empty: 0 and infinity.
+  /// Range of distances per ray; empty: 0 and infinity.
   std::span<const float> near = {}, far = {};
 
   std::size_t size() const { return directions.size(); }
@@ -49,12 +52,12 @@ struct EyeRays {
   Vec3f at(std::size_t i, float distance) const { return origin(i) + distance * directions[i]; }
 };
 
-/// Rays of a camera through places of its picture.
+/// Rays of a camera through points of its picture.
 class CameraRays {
  public:
   explicit CameraRays(const Camera& camera) : camera_(camera) {}
   void clear() { origins_.clear(), directions_.clear(); }
-  /// x from −1 (left) to 1, y from −1 (bottom) to 1
+  /// x from −1 (left) to 1, y from −1 (bottom) to 1.
   void add(float x, float y) {
     if (camera_.parallel || origins_.empty()) origins_.push_back(camera_.origin(x, y));
     directions_.push_back(camera_.direction(x, y));
@@ -72,27 +75,27 @@ struct ShadowRay {
   float length, near = 0;
 };
 
-/// Safe from several threads. Rays come in batches. Sizes must agree.
+/// A scene that answers batches of rays. Thread-safe. Sizes must agree.
 class PictureScene {
  public:
   virtual ~PictureScene() = default;
-  /// The first point of the surface along the rays.
+  /// The first point of the surface along each ray.
   virtual void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const = 0;
-  /// All that is to be seen along the rays, front to back: of ray i points[first[i]] up to points[first[i + 1]], in
-  /// place of what both held. Of scenes that are opaque the first point.
+  /// Replaces both vectors by all visible points along the rays, front to back: points[first[i]] to points[first[i +
+  /// 1]] for ray i. Opaque scenes return the first point.
   virtual void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const;
-  /// 1 where the surface is in the way, else 0.
+  /// 1 for each ray that the surface blocks, else 0.
   virtual void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const = 0;
 };
 
-/// Opacity of a sheet that has `opacity` seen at right angles, at a cosine between ray and normal: a ray at an angle
-/// has a longer way through it.
+/// Opacity of a sheet at a cosine between ray and normal, where `opacity` is its value at cosine 1: an oblique ray has
+/// a longer path through it.
 float sheet_opacity(float opacity, float cosine);
-/// Light from behind that is worth looking for, and so many sheets at most.
+/// Least transmitted light that is traced further, and the largest number of sheets.
 constexpr float kLeastThrough = 0.002f;
 constexpr int kMostSheets = 256;
 
-/// What of a scene lies in a box (in the scene's coordinates). What is passed must outlive it.
+/// The part of a scene inside a box (in the scene's coordinates). The scene must outlive it.
 class ClippedScene final : public PictureScene {
  public:
   ClippedScene(const PictureScene& scene, const Box3f& box) : scene_(scene), box_(box) {}

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/scene/sample_pattern.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -35,6 +36,13 @@ Rgba transparent_color(const Pixel& pixel) {
   if (!(alpha > 0)) return {0, 0, 0, 0};
   const Vec3f color = surface_light(pixel) * (pixel.cover / alpha);
   return {srgb(color.x), srgb(color.y), srgb(color.z), alpha};
+}
+
+Rgba dithered(const Rgba& color, int x, int y) {
+  const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+  Rgba rounded;
+  for (std::size_t k = 0; k < rounded.size(); ++k) rounded[k] = from_byte(to_byte(color[k], threshold));
+  return rounded;
 }
 
 }  // namespace sansmesh::inline v1

@@ -6,21 +6,23 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/render/scene/embree_scene.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPacket = 16;  // rays that go together
+constexpr std::size_t kPacket = 16;  // rays per packet
 
-/// What a query has found so far, for each of its rays by their ids; Embree hands its first member back to the filter.
+/// Results of a query so far, for each of its rays by id; Embree passes its first member to the filter.
 struct Query {
   RTCIntersectContext context;
   std::array<float, kPacket> distance;
   std::array<unsigned, kPacket> primitive;
-  std::vector<RayCrossing>* all = nullptr;  // where wanted, every hit of the single ray, which goes on
+  std::vector<RayCrossing>* all = nullptr;  // if set, receives every hit of the single ray, which continues
 
   Query() {
     rtcInitIntersectContext(&context);
@@ -29,8 +31,8 @@ struct Query {
   }
 };
 
-/// Of hits at the same distance the lowest primitive counts: which one comes last depends on the tree, and the tree on
-/// the threads that built it.
+/// Among hits at the same distance the lowest primitive counts: their order depends on the tree, and the tree on the
+/// threads that built it.
 void settle_ties(const RTCFilterFunctionNArguments* arguments) {
   auto* query = reinterpret_cast<Query*>(arguments->context);
   RTCRayN* ray = arguments->ray;
@@ -60,40 +62,26 @@ void settle_ties(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-/// The device, the scene and its one geometry.
+/// The scene and its single geometry.
 struct RayScene::State {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  detail::EmbreeScene embree;
   RTCGeometry geometry = nullptr;
 
-  explicit State(RTCGeometryType type) {
-    device = rtcNewDevice(nullptr);
-    if (!device) throw Error("the ray caster (Embree) cannot start");
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    geometry = rtcNewGeometry(device, type);
+  explicit State(RTCGeometryType type) : geometry(rtcNewGeometry(embree.device(), type)) {
     rtcSetGeometryIntersectFilterFunction(geometry, settle_ties);
   }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
-    rtcReleaseGeometry(geometry);
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
+    if (geometry) rtcReleaseGeometry(geometry);
   }
 
-  /// Embree's own memory: it reads a little beyond the end, which vectors need not allow.
+  /// Embree's own memory: it reads slightly beyond the end, which vectors need not permit.
   template <class T>
   T* buffer(RTCBufferType type, RTCFormat format, std::size_t count) {
     void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
     if (!data) throw Error("not enough memory for the ray caster");
     return static_cast<T*>(data);
-  }
-  void commit() {
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    lend_threads([&] { rtcCommitScene(scene); });
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
   }
 };
 
@@ -121,7 +109,7 @@ RayScene RayScene::triangles(std::span<const Vec3f> vertices, std::span<const Tr
             state->buffer<Vec3f>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, vertices.size()));
   std::copy(triangles.begin(), triangles.end(),
             state->buffer<Triangle>(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles.size()));
-  state->commit();
+  state->embree.build(std::exchange(state->geometry, nullptr));
   return RayScene(std::move(state));
 }
 
@@ -134,7 +122,7 @@ std::unique_ptr<RayScene::State> RayScene::make_balls(std::span<const Vec3f> cen
   if (flat)
     std::copy(normals.begin(), normals.end(),
               state->template buffer<Vec3f>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, normals.size()));
-  state->commit();
+  state->embree.build(std::exchange(state->geometry, nullptr));
   return state;
 }
 
@@ -173,7 +161,7 @@ std::optional<RayHit> RayScene::closest(const Vec3f& origin, const Vec3f& direct
   RTCRayHit found{};
   found.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
   found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->scene, &query.context, &found);
+  rtcIntersect1(state_->embree.scene(), &query.context, &found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return RayHit{found.ray.tfar, normalized(Vec3f{found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}), found.hit.primID,
                 found.hit.u, found.hit.v};
@@ -201,7 +189,7 @@ void RayScene::closest(std::span<const Vec3f> origins, std::span<const Vec3f> di
       packet.ray.flags[i] = 0;
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid.data(), state_->scene, &query.context, &packet);
+    rtcIntersect16(valid.data(), state_->embree.scene(), &query.context, &packet);
     for (std::size_t i = 0; i < n; ++i) {
       std::optional<RayHit>& hit = hits[first + i];
       hit.reset();
@@ -220,7 +208,7 @@ void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, float leng
   RTCRayHit hit{};
   hit.ray = make_ray(origin, direction, length);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->scene, &query.context, &hit);
+  rtcIntersect1(state_->embree.scene(), &query.context, &hit);
   std::sort(found.begin(), found.end(), [](const RayCrossing& a, const RayCrossing& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.primitive < b.primitive;
   });
@@ -231,7 +219,7 @@ bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float length
   rtcInitIntersectContext(&context);
   RTCRay ray = make_ray(origin, direction, length);
   ray.tnear = near;
-  rtcOccluded1(state_->scene, &context, &ray);
+  rtcOccluded1(state_->embree.scene(), &context, &ray);
   return ray.tfar < 0;
 }
 

@@ -1,4 +1,4 @@
-// Rays against triangles, balls and discs (Embree).
+// Ray casting on triangles, balls and discs (Embree).
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@ namespace sansmesh::inline v1 {
 
 struct RayHit {
   float distance = 0;           ///< along the ray's direction
-  Vec3f normal;                 ///< geometric, unit, of the side that the triangle's order of corners defines
+  Vec3f normal;                 ///< geometric unit normal, oriented by the triangle's order of corners
   std::uint32_t primitive = 0;  ///< triangle or point
-  float u = 0, v = 0;           ///< weights of the triangle's second and third corner
+  float u = 0, v = 0;           ///< barycentric weights of the triangle's second and third corner
 };
 
-/// A place where a ray goes through a surface.
+/// Crossing of a ray through a surface.
 struct RayCrossing {
   float distance = 0;
   std::uint32_t primitive = 0;
-  bool entering = false;  ///< against the side that the triangle's order of corners defines
+  bool entering = false;  ///< from the side of the normal, which follows from the triangle's order of corners
 };
 
-/// Built once, then asked from any thread. Directions must be unit vectors.
+/// Built once; queries are thread-safe. Directions must be unit vectors.
 class RayScene {
  public:
   /// Corners must exist and be finite.
@@ -41,12 +41,12 @@ class RayScene {
   ~RayScene();
 
   std::optional<RayHit> closest(const Vec3f& origin, const Vec3f& direction) const;
-  /// The same for rays from one place, or from one each, each from a distance on (`beyond`; empty: 0) and up to another
-  /// (`until`; empty: infinity). Neighbours in the picture in neighbouring slots go fastest. Sizes must agree.
+  /// The same for many rays with a common origin or one per ray, within distances from `beyond` (empty: 0) to `until`
+  /// (empty: infinity). Fastest if neighbouring rays are adjacent. Sizes must agree.
   void closest(std::span<const Vec3f> origins, std::span<const Vec3f> directions, std::span<const float> beyond,
                std::span<const float> until, std::span<std::optional<RayHit>> hits) const;
-  /// All of them up to a distance, by distance, in place of what `found` held. Where a ray meets an edge or a corner,
-  /// each triangle there may count.
+  /// Replaces `found` by all crossings up to a distance, sorted by distance. At an edge or a corner each adjacent
+  /// triangle may count.
   void crossings(const Vec3f& origin, const Vec3f& direction, float length, std::vector<RayCrossing>& found) const;
   bool blocked(const Vec3f& origin, const Vec3f& direction, float length, float near = 0) const;
 

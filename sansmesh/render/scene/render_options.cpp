@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostPixels = 16384;
 constexpr std::string_view kOverOrOnly[] = {"none", "over", "only"};
 constexpr std::string_view kBackgrounds[] = {"gradient", "white", "black", "transparent"};
-/// After a flag that may stand alone only these are its value.
+/// The only accepted values of a flag whose value is optional.
 constexpr std::string_view kLengthUnits[] = {"nm", "um",   "µm", "mm",   "cm",    "dm", "m", "km",
                                              "in", "inch", "ft", "foot", "us-ft", "yd", "mi"};
 
@@ -32,7 +32,7 @@ struct BackgroundOption {
     const std::string& word = std::get<std::string>(value);
     if (word == "gradient") return {};
     if (word == "transparent") return Background::transparent();
-    // As paper and ink; those of things that are seen in light are not so strong.
+    // Pure white and black, as paper and ink; the named surface colours are less saturated.
     if (word == "white" || word == "black") return Background::solid(word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0});
     const auto color = color_of_word(word);
     if (!color)
@@ -54,14 +54,15 @@ const OptionSchema& PictureView::schema() {
       option<&O::field_of_view>({.text = "Angle over the shorter side", .unit = "degrees", .range = {1, 120}}),
       option<&O::orthographic>({.text = "Parallel rays: no perspective"}),
       option<&O::look_at>(
-          {.text = "Place in the middle of the picture", .from_data = "that of what is seen", .old_name = "focus"}),
-      option<&O::zoom>(
-          {.text = "So many times as large as what shows everything", .unit = "factor", .range = {0.001, 100000}}),
-      option<&O::look_radius>({.text = "In place of `zoom`: what is so far around `look_at` fills the picture",
+          {.text = "Point at the centre of the picture", .from_data = "the centre of the scene", .old_name = "focus"}),
+      option<&O::zoom>({.text = "Magnification relative to the picture that shows everything",
+                        .unit = "factor",
+                        .range = {0.001, 100000}}),
+      option<&O::look_radius>({.text = "Instead of `zoom`: a ball of this radius around `look_at` fills the picture",
                                .unit = "length",
                                .range = positive(),
                                .needs = "look_at"}),
-      option<&O::clip_box>({.text = "Show only what lies in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX"})};
+      option<&O::clip_box>({.text = "Show only the part in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -73,39 +74,36 @@ const OptionSchema& PictureLook::schema() {
                                                 .unit = "name",
                                                 .from_data = "gradient",
                                                 .usual_words = kBackgrounds}),
-      option<&O::wireframe>({.text = "Edges of triangles: over the surface, or only these without hidden ones, as "
-                                     "`wireframe`=only",
+      option<&O::wireframe>({.text = "Edges of triangles over the surface; `wireframe`=only: the visible edges alone",
                              .choices = kOverOrOnly,
                              .implied = "over"}),
       option<&O::wire_width>(
           {.text = "Width of these edges", .unit = "pixels", .range = {0.1, 50}, .needs = "wireframe"}),
       option<&O::wire_color, ColorOption>(
-          {.text = "Their colour, '#rrggbb' or a name", .unit = "color", .needs = "wireframe"}),
-      option<&O::lines>({.text = "Draw silhouettes, borders, creases, ridges and valleys: only these, or over the lit "
-                                 "surface, as `lines`=over",
-                         .choices = kOverOrOnly,
-                         .implied = "only"}),
+          {.text = "Colour of these edges, '#rrggbb' or a name", .unit = "color", .needs = "wireframe"}),
+      option<&O::lines>(
+          {.text = "Draw silhouettes, borders, creases, ridges and valleys alone; `lines`=over: over the lit surface",
+           .choices = kOverOrOnly,
+           .implied = "only"}),
       option<&O::line_width>({.text = "Width of these lines", .unit = "pixels", .range = {0.1, 50}, .needs = "lines"}),
-      option<&O::line_strength>({.text =
-                                     "Ridges and valleys from this curvature times the diagonal on: less is more of "
-                                     "them",
-                                 .unit = "ratio",
-                                 .range = {0.1, 1e6},
-                                 .needs = "lines"}),
+      option<&O::line_strength>(
+          {.text = "Least curvature of ridges and valleys, times the diagonal: smaller values draw more lines",
+           .unit = "ratio",
+           .range = {0.1, 1e6},
+           .needs = "lines"}),
       option<&O::line_color, ColorOption>(
-          {.text = "Their colour, '#rrggbb' or a name", .unit = "color", .needs = "lines"}),
-      option<&O::accessibility>({.text =
-                                     "Light is how open a place is: by rays around it, so long over the diagonal, and "
-                                     "by curvature",
-                                 .unit = "reach",
-                                 .range = {1e-6, 10},
-                                 .implied = "0.3"}),
-      option<&O::curvature_shading>({.text = "Share of that light that curvature gives and takes",
+          {.text = "Colour of these lines, '#rrggbb' or a name", .unit = "color", .needs = "lines"}),
+      option<&O::accessibility>(
+          {.text = "Shade by accessibility: rays of this length, as a share of the diagonal, and curvature",
+           .unit = "reach",
+           .range = {1e-6, 10},
+           .implied = "0.3"}),
+      option<&O::curvature_shading>({.text = "Largest relative change of that light by curvature",
                                      .unit = "share",
                                      .range = {0, 1},
                                      .needs = "accessibility",
                                      .old_name = "bend_light"}),
-      option<&O::smooth>({.text = "Show the flat triangles: normals are not interpolated", .negative = "flat"}),
+      option<&O::smooth>({.text = "Flat shading: normals are not interpolated", .negative = "flat"}),
       option<&O::shadows>({.text = "No shadows"}),
       option<&O::point_radius>(
           {.text = "Radius of points", .unit = "length", .from_data = "from their spacing", .range = positive()})};
@@ -123,13 +121,12 @@ const OptionSchema& PictureQuality::schema() {
 
 const OptionSchema& PictureAnnotation::schema() {
   using O = PictureAnnotation;
-  static constexpr OptionRow rows[] = {
-      option<&O::scale_bar>({.text = "With `orthographic`: a bar of a round length, and the unit's name, mm, m or in "
-                                     "(others as `scale_bar`=UNIT)",
-                             .unit = "unit",
-                             .implied = "",
-                             .needs = "orthographic",
-                             .usual_words = kLengthUnits})};
+  static constexpr OptionRow rows[] = {option<&O::scale_bar>(
+      {.text = "A bar of a round length with its unit, mm, m or in (others as `scale_bar`=UNIT); with `orthographic`",
+       .unit = "unit",
+       .implied = "",
+       .needs = "orthographic",
+       .usual_words = kLengthUnits})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -159,8 +156,8 @@ void RenderOptions::validate() const {
       throw ArgumentError("`clip_box` must have an extent: XMIN < XMAX, YMIN < YMAX and ZMIN < ZMAX");
   }
   if (look.accessibility && look.lines == PictureLook::Lines::only)
-    throw ArgumentError("`accessibility` is light, which `lines` alone does not show: `lines = over`");
-  check_color("background", look.behind().color);
+    throw ArgumentError("`accessibility` needs a lit surface, which `lines` alone does not show: `lines = over`");
+  check_color("background", look.effective_background().color);
   check_color("surface_color", look.surface_color);
   check_color("wire_color", look.wire_color);
   check_color("line_color", look.line_color);
@@ -178,15 +175,14 @@ const OptionSchema& SurfaceRenderOptions::schema() {
   using O = SurfaceRenderOptions;
   static const OptionRow rows[] = {
       option_group<&O::picture>(RenderOptions::schema().rows),
-      option<&O::reflection>({.text = "Share of the light that a mirror would send", .unit = "share", .range = {0, 1}}),
-      option<&O::transmission>(
-          {.text = "Share of the light that comes through the body", .unit = "share", .range = {0, 1}}),
+      option<&O::reflection>({.text = "Reflected share of the light", .unit = "share", .range = {0, 1}}),
+      option<&O::transmission>({.text = "Transmitted share of the light", .unit = "share", .range = {0, 1}}),
       option<&O::refraction_index>({.text = "Refraction index of the body: 1.33 water, 1.5 glass",
                                     .unit = "ratio",
                                     .range = {1, 4},
                                     .needs = "transmission"}),
-      option<&O::bounces>({.text = "Mirrored and refracted rays one after the other", .range = {1, 16}}),
-      option<&O::exact_shadows>({.text = "Shadows by rays against the surface itself: slow"}),
+      option<&O::bounces>({.text = "Mirrored and refracted rays in sequence", .range = {1, 16}}),
+      option<&O::exact_shadows>({.text = "Shadows by rays to the surface itself: slow"}),
       option<&O::plain>(
           {.text = "Quick: one ray per pixel, no shadows, no ground", .name = "quick", .old_name = "plain"})};
   static const OptionSchema schema{rows};

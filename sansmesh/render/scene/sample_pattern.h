@@ -1,4 +1,4 @@
-// Where the rays of a pixel go: even patterns on discs and around directions, another part of them for each pixel.
+// Sample patterns of a pixel's rays: even patterns on discs and around directions, a different subset for each pixel.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +9,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// Pixels to each side over which light that few rays make noisy is smoothed.
+/// Radius in pixels of the filter that smooths noisy light.
 constexpr int kSmooth = 2;
 
 struct Spot {
   float x = 0, y = 0;
 };
 
-/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts
-/// 2018).
+/// Points of the unit disc; each consecutive range is evenly spread: the additive recurrence by the plastic number
+/// (Roberts 2018).
 std::vector<Spot> spread_over_disc(int count);
 
-/// Another part of the pattern for each pixel of a 5 × 5 square, over which the picture is smoothed: wherever that
-/// window lies, it holds the whole pattern, and hence no grain is left.
+/// Subset of the pattern for each pixel of the 5 × 5 square over which the picture is smoothed. The square contains the
+/// whole pattern at any position, so that no grain is left.
 constexpr int kParts = (2 * kSmooth + 1) * (2 * kSmooth + 1);
 inline int pattern_part(int x, int y) {
-  x += 5 * kSmooth, y += 5 * kSmooth;  // the rim lies at negative places
+  x += 5 * kSmooth, y += 5 * kSmooth;  // coordinates of the rim are negative
   return 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
 }
 
@@ -32,7 +32,7 @@ inline int pattern_part(int x, int y) {
 struct Around {
   Vec3f n, t, b;
   explicit Around(const Vec3f& axis) : n(axis) { tangent_frame(n, t, b); }
-  /// Spots spread evenly over the disc give directions distributed like the cosine.
+  /// Points spread evenly over the disc give cosine-distributed directions.
   Vec3f operator()(const Spot& p) const {
     return p.x * t + p.y * b + std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y)) * n;
   }

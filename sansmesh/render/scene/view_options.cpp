@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kContent = "content";
 constexpr std::string_view kNamedViews[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
 
-/// Four whole numbers with commas between them, the size at least 1.
+/// Four integers separated by commas, the size at least 1.
 std::optional<PixelBox> pixel_box_of(std::string_view text) {
   const std::vector<std::string> words = between_commas(text);
   if (words.size() != 4) return std::nullopt;
@@ -53,9 +53,8 @@ const OptionSchema& ViewOptions::schema() {
       option<&O::azimuth>({.text = "Degrees around the up axis; 0: the front", .unit = "degrees", .from_data = "35"}),
       option<&O::elevation>({.text = "Degrees above the horizon", .unit = "degrees", .from_data = "20"}),
       option<&O::z_up>({.text = "The z axis points up, not y"}),
-      option<&O::crop>({.text = "Part of the picture, LEFT,TOP,WIDTH,HEIGHT in pixels, or what is not background",
-                        .unit = "part",
-                        .implied = kContent})};
+      option<&O::crop>(
+          {.text = "Crop to LEFT,TOP,WIDTH,HEIGHT in pixels, or to the content", .unit = "part", .implied = kContent})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -66,7 +65,7 @@ RenderOptions ViewOptions::applied_to(RenderOptions o) const {
   if (elevation) o.view.direction.elevation = *elevation;
   if (view) o.view.direction = named_view(std::string(kNamedViews[static_cast<std::size_t>(*view)]));
   if (z_up) o.view.up = UpAxis::z;
-  if (crop && crop->box) check_crop(*crop->box, o.view.width, o.view.height);  // before all the work
+  if (crop && crop->box) check_crop(*crop->box, o.view.width, o.view.height);  // before long computations
   return o;
 }
 

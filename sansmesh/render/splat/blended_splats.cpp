@@ -18,20 +18,20 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Neighbours on the same sheet that tell how far apart splats are, and points among which they are looked for.
+/// Number of neighbours on the same sheet that determine the spacing, and number of candidates.
 constexpr std::size_t kAround = 6, kAsked = 16;
-/// Area that a point stands for, over the mean squared distance of these: 0.87 for a hexagonal lattice, 0.6 for discs
-/// at random places.
+/// Area per point, relative to the mean squared distance of these neighbours: 0.87 for a hexagonal lattice, 0.6 for
+/// discs at random positions.
 constexpr float kAreaOfSquare = 0.75f;
-/// Standard deviation over the root of that area: an even sheet's weights then sum up to 1 within a percent.
+/// Standard deviation relative to the root of that area: weights of an even sheet then sum to 1 within a percent.
 constexpr float kWidthOfSplat = 0.8f;
-/// No splat is wider than so many times the median of its neighbours': borders stay where they are.
+/// Largest width of a splat relative to the median of its neighbours, so that borders keep their position.
 constexpr float kWidestSplat = 1.25f;
 constexpr float kLongestSplat = 2;
-/// Radius of discs that shadows fall from, and how far above them rays begin, over the standard deviation.
+/// Relative to the standard deviation: radius of shadow-casting discs, and height of ray origins above them.
 constexpr float kDiscOfSplat = 1.5f, kLiftOfSplat = 1.2f;
 
-/// Rays that look whether splats bound a body, and the share of them that may get out of it.
+/// Number of rays that test whether splats bound a body, and the share of them that may escape.
 constexpr std::size_t kInwardRays = 4000;
 constexpr double kMayLeave = 0.005;
 
@@ -39,12 +39,10 @@ PictureFrame frame_of(const PointSet& points) {
   Box3 box;
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(points.origin + Vec3(p));
-  if (box.empty()) throw DataError("nothing to draw: no finite points");
-  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points are in one place");
-  return {box.center(), box.diagonal()};
+  return frame_of_points(box);
 }
 
-/// Of all points the mean squared distance to their neighbours; 0 where there are none.
+/// Mean squared distance of each point to its neighbours; 0 if there are none.
 std::vector<float> squared_spacings(const EllipticSplats& splats) {
   const KdTree tree(splats.centers);
   std::vector<float> squares(splats.centers.size());
@@ -72,7 +70,7 @@ std::vector<float> squared_spacings(const EllipticSplats& splats) {
   return limited;
 }
 
-/// Whether rays from all over the surface inwards meet it again.
+/// Whether rays that start inwards from all over the surface meet it again.
 bool bounds_a_body(const EllipticSplats& splats, const RayScene& discs) {
   const std::size_t n = splats.centers.size(), rays = std::min(n, kInwardRays);
   const std::vector<Spot> spots = spread_over_disc(static_cast<int>(rays));
@@ -144,12 +142,13 @@ void BlendedScene::closest(const EyeRays& rays, std::span<std::optional<SurfaceP
   const float part = 1 / (n * n);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     points[i].reset();
-    const PicturePlace place = camera_.seen(rays.origin(i) + (camera_.parallel ? 0.0f : 1.0f) * rays.directions[i]);
+    const ProjectedPoint place =
+        camera_.project(rays.origin(i) + (camera_.parallel ? 0.0f : 1.0f) * rays.directions[i]);
     const float x = (place.x + 1) * 0.5f * width, y = (1 - place.y) * 0.5f * height;
     const float left = std::floor(x), top = std::floor(y);
     const std::span<const SplatLayer> layers = layers_.at(whole_part<int>(left), whole_part<int>(top));
     if (layers.empty()) continue;
-    // Each ray of the pixel stands for a part of its cover, and takes the layer that most of that part is of.
+    // Each ray of the pixel represents a part of its cover, and takes the layer with most of that part.
     const float first = part * (std::floor((y - top) * n) * n + std::floor((x - left) * n)), last = first + part;
     const SplatLayer* most = nullptr;
     float begin = 0, largest = 0, covered = 0;

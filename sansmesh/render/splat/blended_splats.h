@@ -1,4 +1,4 @@
-// Pictures of points of a surface as splats that blend: no mesh, and no rays at the surface.
+// Pictures of surface points as blended splats, without a mesh or rays at the surface.
 #pragma once
 
 #include <cstddef>
@@ -17,24 +17,23 @@
 
 namespace sansmesh::inline v1 {
 
-/// How much longer than wide a splat is, and along what.
+/// Elongation of a splat.
 struct SplatStretch {
-  Vec3f direction;  ///< of any length; its part in the tangent plane counts
+  Vec3f direction;  ///< any length; only its tangential part is used
   float ratio = 1;  ///< >= 1
 };
 
-/// A splat at each point, in coordinates of the frame: as wide as its neighbours on the same sheet are far, and, unless
-/// `stretches` is empty, longer by those. Points that are not finite or have no normal are left out. Throws DataError
-/// where none is left, ArgumentError unless there are as many stretches as points, or none.
+/// One splat per point, in coordinates of the frame: as wide as the distance to its neighbours on the same sheet, and
+/// elongated by `stretches` unless that is empty. Points that are not finite or have no normal are left out. Throws
+/// DataError if none is left, ArgumentError unless there are as many stretches as points, or none.
 EllipticSplats splats_at_points(const PointSet& points, std::span<const SplatStretch> stretches,
                                 const RenderOptions& options, const PictureFrame& frame);
 
-/// What SplatLayers hold, lit like other surfaces: rays of the picture find the layers of their pixel, those towards
-/// lights meet discs.
+/// Scene of SplatLayers with common lighting: eye rays find the layers of their pixel, shadow rays meet discs.
 class BlendedScene final : public PictureScene {
  public:
-  /// What is passed must outlive the scene. The layers are those of the same camera and options, of what the options
-  /// show.
+  /// All arguments must outlive the scene. The layers must be made with the same camera and options, clipped as in the
+  /// options.
   BlendedScene(const SplatLayers& layers, const RayScene& discs, const Camera& camera, const RenderOptions& options);
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
@@ -46,17 +45,17 @@ class BlendedScene final : public PictureScene {
   const RenderOptions& options_;
 };
 
-/// Points that are drawn once or several times.
+/// Points for one or more pictures.
 class SplatPicture {
  public:
-  /// As splats_at_points. `options`: those of the pictures, whose colour the splats have.
+  /// Arguments as in splats_at_points(). `options`: those of the pictures; they give the colour of the splats.
   SplatPicture(const PointSet& points, std::span<const SplatStretch> stretches, const RenderOptions& options);
   ~SplatPicture();
   SplatPicture(const SplatPicture&) = delete;
   SplatPicture& operator=(const SplatPicture&) = delete;
 
   std::size_t size() const;
-  /// Lit as render_mesh() does; does not depend on the number of threads. Throws ArgumentError for bad options.
+  /// Lit as in render_mesh(); does not depend on the number of threads. Throws ArgumentError for bad options.
   Image render(const RenderOptions& options, Progress& progress) const;
 
  private:

@@ -22,7 +22,7 @@ std::optional<SplatFootprint> splat_footprint(const Camera& camera, int width, i
               scale_y = 0.5f * static_cast<float>(height) / camera.half_height;
   const float shrink = 1 / camera.shrink(depth);
   const auto derivative = [&](const Vec3f& t) {
-    // What comes nearer moves away from the middle of the picture.
+    // Approaching points move away from the picture's centre.
     const float nearer = camera.parallel ? 0 : dot(t, camera.backward) * shrink;
     return PixelStep{scale_x * shrink * (dot(t, camera.right) + right * nearer),
                      -scale_y * shrink * (dot(t, camera.up) + up * nearer)};
@@ -30,7 +30,7 @@ std::optional<SplatFootprint> splat_footprint(const Camera& camera, int width, i
   const PixelStep u = derivative(a), v = derivative(b);
   const float least = filter * filter;
   const float vxx = u.x * u.x + v.x * v.x + least, vyy = u.y * u.y + v.y * v.y + least, vxy = u.x * u.y + v.x * v.y;
-  // The determinant as a sum of squares: nothing cancels where the ellipse is a line.
+  // The determinant as a sum of squares, without cancellation if the ellipse is a line.
   const float area = u.x * v.y - v.x * u.y;
   const float det = area * area + least * (vxx + vyy - least);
   if (!(det > 0) || !std::isfinite(det)) return std::nullopt;

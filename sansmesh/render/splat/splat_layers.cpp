@@ -13,19 +13,21 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLayerTile = 16;
-/// Where the sum of weights is so large, a sheet ends: less than half, so that irregular splats leave no holes.
+/// Sum of weights at the border of a sheet: less than half, so that irregular splats leave no holes.
 constexpr float kBorderLevel = 0.35f;
-/// The same of what is seen from behind: discs at sharp edges stand out behind the faces on the other side.
+/// The same for back sides: discs at sharp edges stick out behind the faces on the other side.
 constexpr float kBorderBehind = 0.5f;
-/// Splats so far behind the first one, over its width seen at that angle, are of its sheet.
+/// Depth range of a sheet, relative to the projected width of its first splat.
 constexpr float kSheetDepth = 1.5f;
 constexpr float kLeastCosine = 0.3f;
-/// What comes before a sheet's weights sum up to this has no say in where it is: a stray seen from its side.
+/// Splats before the weights of a sheet reach this sum do not determine its depth: they may be strays seen from the
+/// side.
 constexpr float kSheetBegins = 0.1f;
-/// Of bodies, what faces away by no more than this cosine still belongs to the side that is seen: round tips are no
-/// larger than a few splats.
+/// Largest cosine at which splats of bodies that face away still belong to the visible side: rounded tips may consist
+/// of few splats.
 constexpr float kRoundAway = 0.15f;
-/// What faces the viewer is the front of a sheet, unless it is so much less than what faces away.
+/// Splats that face the viewer are the front of a sheet unless their weight is below this share of those that face
+/// away.
 constexpr float kFewFront = 0.25f;
 constexpr float kLeastShare = 1.0f / 512;
 constexpr std::size_t kMostLayers = 4;
@@ -36,14 +38,14 @@ struct Fragment {
 };
 
 struct PixelRange {
-  int left, top, right, bottom;  // the last two are beyond it
+  int left, top, right, bottom;  // the last two are exclusive
 };
 
 }  // namespace
 
 namespace {
 
-/// All that does not change from tile to tile.
+/// Data that are common to all tiles.
 class SplatRaster {
  public:
   SplatRaster(const EllipticSplats& splats, const Camera& camera, const SplatRasterOptions& options,
@@ -61,7 +63,7 @@ class SplatRaster {
                                         splats.minor[i], options.filter);
       if (!seen) return;
       feet_[i] = *seen;
-      // As if all splats of a sheet were alike and even: their weights sum up to 1.
+      // As for a sheet of equal, evenly distributed splats: their weights sum to 1.
       feet_[i].peak *=
           splats.areas[i] / (2 * std::numbers::pi_v<float> * norm(splats.major[i]) * norm(splats.minor[i]));
     });
@@ -75,7 +77,7 @@ class SplatRaster {
     return {left, top, std::min(left + kLayerTile, all_.right), std::min(top + kLayerTile, all_.bottom)};
   }
 
-  /// The layers of a tile's pixels, row by row, and how many each pixel has.
+  /// The layers of a tile's pixels, row by row, and their number per pixel.
   void paint(std::size_t tile, std::vector<SplatLayer>& layers, std::vector<std::uint32_t>& counts) const {
     const PixelRange pixels = pixels_of(tile);
     const int wide = pixels.right - pixels.left;
@@ -110,7 +112,7 @@ class SplatRaster {
   }
 
  private:
-  /// Pixels whose middles the footprint reaches.
+  /// Pixels with centres inside the footprint.
   static PixelRange range(const SplatFootprint& f, const PixelRange& within) {
     const auto low = [](float v, int least, int most) { return index_in<int>(std::ceil(v), least, most); };
     return {
@@ -146,8 +148,7 @@ class SplatRaster {
     const SplatFootprint& f = feet_[i];
     const float square = f.square(static_cast<float>(x) + 0.5f - f.x, static_cast<float>(y) + 0.5f - f.y);
     if (!(square < kSplatCut * kSplatCut)) return;
-    // On the tangent plane, but no farther from the centre than what counts of the splat: seen from the side, the plane
-    // goes anywhere.
+    // Distance on the tangent plane, limited to the extent of the splat: seen from the side, the plane is not bounded.
     const Vec3f to_center = splats_.centers[i] - origin;
     const float cosine = dot(splats_.normals[i], direction), beside = dot(to_center, direction);
     if (cosine > kRoundAway && culled_) return;
@@ -163,7 +164,7 @@ class SplatRaster {
     fragments.push_back({t, f.peak * std::exp(-0.5f * square), i});
   }
 
-  /// How far behind a fragment its sheet still goes on.
+  /// Depth behind a fragment up to which its sheet continues.
   float depth_limit(const Fragment& f, const Vec3f& direction) const {
     const float cosine = std::abs(dot(splats_.normals[f.splat], direction));
     return f.distance + kSheetDepth * wide(f.splat) / std::max(kLeastCosine, cosine);
@@ -172,7 +173,7 @@ class SplatRaster {
     return dot(splats_.normals[f.splat], direction) <= (culled_ ? kRoundAway : 0);
   }
 
-  /// Sheet after sheet, front to back, until the pixel is full.
+  /// Accumulates sheets from front to back until the pixel is full.
   void resolve(int x, int y, const Vec3f& direction, std::vector<Fragment>& fragments, std::vector<Fragment>& sheet,
                std::vector<SplatLayer>& layers) const {
     std::sort(fragments.begin(), fragments.end(), [](const Fragment& a, const Fragment& b) {
@@ -198,14 +199,14 @@ class SplatRaster {
       if (!(layer.share > kLeastShare)) continue;
       layers.push_back(layer);
       left -= layer.share;
-      if (!(left > kLeastShare)) {  // what is left would not be seen
+      if (!(left > kLeastShare)) {  // the rest is invisible
         layers.back().share += left;
         break;
       }
     }
   }
 
-  /// Means over those of the sheet that face the same way; returns the share of the pixel that they cover.
+  /// Means over the fragments of the sheet that face the same way; returns their covered share of the pixel.
   float blend(int x, int y, const Vec3f& direction, std::span<const Fragment> sheet, bool front_side,
               SplatLayer& layer) const {
     float sum = 0, slope_x = 0, slope_y = 0;
@@ -227,7 +228,7 @@ class SplatRaster {
     layer.color *= share;
     layer.width *= share;
     layer.normal = normalized(front_side ? layer.normal : -layer.normal);
-    // The border runs where the sum is at its level, so many pixels away.
+    // Distance in pixels to the border, where the sum is at its level.
     const float slope = std::hypot(slope_x, slope_y), above = sum - (front_side ? kBorderLevel : kBorderBehind);
     if (!(slope > 0)) return above > 0 ? 1.0f : 0.0f;
     return std::clamp(0.5f + above / slope, 0.0f, 1.0f);
@@ -237,7 +238,7 @@ class SplatRaster {
   const Camera& camera_;
   const SplatRasterOptions& options_;
   PixelRange all_;
-  bool culled_;  // nothing is seen from behind
+  bool culled_;  // back sides are invisible
   int across_ = 0, down_ = 0;
   std::vector<SplatFootprint> feet_;
   std::vector<std::size_t> first_;

@@ -1,4 +1,4 @@
-// Elliptical splats, rasterised into what each pixel of a picture sees.
+// Rasterises elliptical splats to the visible layers of each pixel.
 #pragma once
 
 #include <cstddef>
@@ -13,41 +13,39 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points of a surface, each a Gaussian on its tangent plane, in coordinates of the picture. Arrays have the same
-/// length.
+/// Surface points, each a Gaussian on its tangent plane, in coordinates of the picture. Arrays have the same length.
 struct EllipticSplats {
-  std::vector<Vec3f> centers, normals;  ///< unit
-  std::vector<Vec3f> major, minor;      ///< tangential, at right angles, as long as the standard deviations
-  std::vector<float> areas;             ///< of the surface that each stands for
+  std::vector<Vec3f> centers, normals;  ///< unit normals
+  std::vector<Vec3f> major, minor;      ///< tangential, perpendicular, with the lengths of the standard deviations
+  std::vector<float> areas;             ///< surface area of each splat
   std::vector<Vec3f> colors;            ///< linear light
-  bool closed = false;                  ///< they bound a body: nothing of it is ever seen from behind, unless clipped
+  bool closed = false;                  ///< they bound a body, so that unclipped back sides are never visible
 };
 
 /// A sheet of the surface in a pixel.
 struct SplatLayer {
-  float distance = 0;  ///< along the ray through the pixel's middle
-  float share = 0;     ///< of the pixel, what lies in front of it left out
+  float distance = 0;  ///< along the ray through the pixel's centre
+  float share = 0;     ///< visible share of the pixel: not hidden by layers in front
   Vec3f normal;        ///< unit, on the viewer's side
   Vec3f color;         ///< linear light
   float width = 0;     ///< standard deviation of the splats
 };
 
 struct SplatRasterOptions {
-  int width = 0, height = 0;  ///< of the picture, pixels
-  int rim = 0;                ///< pixels beyond its borders on each side
-  float filter = 0.5f;        ///< standard deviation of what a pixel is the mean of, pixels
-  std::optional<Box3f> clip;  ///< only what lies in this box
+  int width = 0, height = 0;  ///< size of the picture, pixels
+  int rim = 0;                ///< extra pixels beyond its borders on each side
+  float filter = 0.5f;        ///< standard deviation of the pixel filter, pixels
+  std::optional<Box3f> clip;  ///< only the part inside this box
 };
 
-/// Surface splatting (Zwicker et al. 2001) with crisp borders. Weights are normalised by the areas, so that they sum up
-/// to about 1 all over a sheet, seen from near or far, and where the sheet ends, that sum and its slope tell how much
-/// of the pixel it covers. Sheets behind fill what is left, so that borders in front of something are no worse than
-/// others.
+/// Surface splatting (Zwicker et al. 2001) with crisp borders. Weights are normalised by area and sum to about 1 on a
+/// sheet at any distance. At the border of a sheet this sum and its slope determine the covered share of the pixel.
+/// Sheets behind fill the rest, so that borders in front of other sheets are as crisp.
 class SplatLayers {
  public:
-  /// In tiles, in parallel; does not depend on the number of threads.
+  /// Works on tiles in parallel; does not depend on the number of threads.
   SplatLayers(const EllipticSplats& splats, const Camera& camera, const SplatRasterOptions& options);
-  /// Front to back; pixels of the rim have negative coordinates, or such beyond the picture.
+  /// Layers from front to back. Pixels of the rim have negative coordinates or coordinates beyond the picture.
   std::span<const SplatLayer> at(int x, int y) const;
 
  private:

@@ -16,10 +16,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kRadius = 0.75f;  // of a disc, over h
+constexpr float kRadius = 0.75f;  // radius of a disc, relative to h
 constexpr float kGamma = 0.5f;
 constexpr std::int32_t kMostFronts = 100;
-constexpr float kLift = 0.5f;  // over h: rays towards the light start above the neighbours' discs
+constexpr float kLift = 0.5f;  // relative to h: shadow rays start above the neighbours' discs
 constexpr float kSteepestSplat = 0.1f;
 
 std::vector<float> radii(const Splats& splats) {
@@ -37,7 +37,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
   const std::size_t n = mesh.vertices.size();
   const VertexCorners around(mesh.triangles, n);
   std::vector<Vec3f> places(n), normals(n);
-  std::vector<float> spacings(n), slopes(n);  // of the fronts' numbers
+  std::vector<float> spacings(n), slopes(n);  // distances of neighbours and slopes of front numbers
   for (std::size_t v = 0; v < n; ++v) places[v] = frame.to_picture(mesh.origin + Vec3(mesh.vertices[v]));
   parallel_for(0, n, 1024, [&](std::size_t v) {
     float farthest = 0;
@@ -68,8 +68,8 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     if (dot(normal, side) < 0) normal = -normal;
     normals[v] = normal;
     spacings[v] = squared_norm(normal) > 0 ? farthest : 0;
-    // Fronts are lines that the flow may have turned nearly along itself: how many of them a disc lies on follows from
-    // the slope of their numbers.
+    // The flow may turn front lines nearly parallel to itself: the slope of the front numbers gives the number of
+    // fronts across a disc.
     Vec3f a, b;
     tangent_frame(normal, a, b);
     double aa = 0, ab = 0, bb = 0, af = 0, bf = 0;
@@ -110,7 +110,7 @@ float SplatScene::steepness(std::uint32_t splat, const Vec3f& direction) const {
   return std::max(kSteepestSplat, std::abs(dot(splats_.normals[splat], direction)));
 }
 
-/// How far behind a hit of a disc the ray may meet others of the same sheet.
+/// Distance behind a hit up to which hits belong to the same sheet.
 float SplatScene::depth(std::uint32_t splat, const Vec3f& direction) const {
   return 2 * kGamma * splats_.spacings[splat] / steepness(splat, direction);
 }

@@ -1,4 +1,4 @@
-// Particles of a surface as splats that blend (METHODS §5.2): no mesh is drawn.
+// Blended splats of surface particles (tejada2008, 5.3), without a mesh.
 #pragma once
 
 #include <cstddef>
@@ -18,26 +18,27 @@ namespace sansmesh::inline v1 {
 /// be empty.
 struct Splats {
   std::vector<Vec3f> centers, normals, vectors;
-  std::vector<Vec3f> colors;          ///< linear light
-  std::vector<float> spacings;        ///< distance h to neighbours; discs have a radius of 3/4 h
-  std::vector<std::int32_t> fronts;   ///< particles of neighbouring moments have neighbouring numbers
-  std::vector<std::int32_t> reaches;  ///< so many fronts on, the discs of one sheet may still overlap; >= 1
+  std::vector<Vec3f> colors;         ///< linear light
+  std::vector<float> spacings;       ///< distance h to neighbours; discs have a radius of 3/4 h
+  std::vector<std::int32_t> fronts;  ///< neighbouring numbers are neighbours in time
+  std::vector<std::int32_t>
+      reaches;  ///< number of following fronts whose discs may overlap this one on the same sheet; >= 1
 };
 
-/// Splats at the vertices of a mesh, which is asked for nothing but who is near whom, in coordinates of the frame:
-/// normals from the weighted covariance of the neighbours, h from the farthest of them. `vectors`: of each vertex or
-/// none. Vertices without triangles and such as are not finite are left out.
+/// Splats at the vertices of a mesh, in coordinates of the frame. The mesh only provides neighbourhoods: normals from
+/// the weighted covariance of the neighbours, h from the farthest of them. `vectors`: one per vertex, or none. Vertices
+/// that are not finite or have no triangles are left out.
 Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
                           std::span<const std::int32_t> fronts, const RenderOptions& options,
                           const PictureFrame& frame);
 
-/// Where several discs are hit one behind the other, position, normal, vector and colour are their means, weighted by
-/// exp(−r²/h² − s²/(γ² h²)), r from the centre, s behind the first hit across its disc: of those that lie no deeper
-/// than 2 γ h and whose fronts are neighbours of the first's. So a sheet that comes back to where it was at another
-/// time is cut through crisply.
+/// Where a ray hits several discs, position, normal, vector and colour are their means, weighted by exp(−r²/h² − s²/(γ²
+/// h²)), with r the distance from the centre and s the distance behind the first hit, perpendicular to its disc. Only
+/// discs no deeper than 2 γ h count whose fronts are neighbours of the first's. So a sheet that returns to the same
+/// position at another time is separated crisply.
 class SplatScene final : public PictureScene {
  public:
-  /// `opacity` as of meshes (Subject).
+  /// `opacity` as in Subject.
   SplatScene(Splats splats, float opacity);
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
   void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override;

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/render/scene/embree_scene.h"
 #include "sansmesh/render/surface/ball_segments.h"
 
 #ifndef SANSMESH_BALL_SEGMENTS_ONCE
@@ -25,7 +25,7 @@ struct Ball {
   float x, y, z, radius;
 };
 
-/// What a packet of rays has found so far; Embree hands its first member back to the callback.
+/// Results of a packet of rays so far; Embree passes its first member to the callback.
 struct PacketQuery {
   RTCIntersectContext context;
   alignas(32) float entry[kPacket], exit[kPacket], radius[kPacket];
@@ -40,9 +40,9 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One ball against a packet. Embree finds balls in an order that depends on its tree, and that on the threads which
-/// built it. The answer must not: of several balls with the same entry the one that ends last, then the first one
-/// counts. No fused multiply-add: its rounding would differ from that of machines without it.
+/// Intersects one ball with a packet. Embree finds balls in an order that depends on its tree, and thus on the threads
+/// that built it. The answer must not: of several balls with the same entry, the one that ends last counts, then the
+/// first one. No fused multiply-add: its rounding would differ from that of machines without it.
 void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
   const hn::CappedTag<float, kPacket> d;
   const hn::RebindToSigned<decltype(d)> di;
@@ -57,7 +57,7 @@ void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
     const auto z = hn::Sub(hn::Set(d, ball.z), hn::Load(d, ray.org_z + i));
     const auto dx = hn::Load(d, ray.dir_x + i), dy = hn::Load(d, ray.dir_y + i), dz = hn::Load(d, ray.dir_z + i);
     const auto middle = hn::Add(hn::Add(hn::Mul(x, dx), hn::Mul(y, dy)), hn::Mul(z, dz));
-    // Not |to centre|² − middle²: the difference of large numbers, from afar.
+    // Not |to centre|² − middle²: from afar this is a difference of large numbers.
     const auto px = hn::Sub(x, hn::Mul(middle, dx)), py = hn::Sub(y, hn::Mul(middle, dy)),
                pz = hn::Sub(z, hn::Mul(middle, dz));
     const auto aside = hn::Add(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), hn::Mul(pz, pz));
@@ -99,20 +99,11 @@ void cross_ball(const RTCIntersectFunctionNArguments* arguments) { HWY_DYNAMIC_D
 using detail::Ball;
 using detail::kPacket;
 
-/// Spheres of Embree itself will not do: from inside a ball they tell where it ends, but not that one is inside. So the
-/// balls are geometry of our own, which hands out both ends.
+/// Embree's own spheres do not suffice: from inside they report the end of a ball, but not that the origin is inside.
+/// So the balls are a user geometry that returns both ends.
 struct BallSegments::State {
   std::vector<Ball> balls;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  State() = default;
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
+  detail::EmbreeScene embree;
 };
 
 namespace {
@@ -137,24 +128,9 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
     const Vec3f& c = balls.centers[i];
     s.balls.push_back({c.x, c.y, c.z, balls.radii[i]});
   }
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw Error("the ray caster (Embree) cannot start");
-  if (rtcGetDeviceProperty(s.device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0) {
-    rtcReleaseDevice(std::exchange(s.device, nullptr));
-    throw Error("the ray caster needs a processor and an Embree that trace eight rays at once (AVX)");
-  }
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(s.balls.size()));
-  rtcSetGeometryUserData(geometry, s.balls.data());
-  rtcSetGeometryBoundsFunction(geometry, ball_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, detail::cross_ball);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  lend_threads([&] { rtcCommitScene(s.scene); });
-  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
+  if (rtcGetDeviceProperty(s.embree.device(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0)
+    throw Error("the ray caster needs a processor and an Embree with packets of eight rays (AVX)");
+  s.embree.build(static_cast<unsigned>(s.balls.size()), s.balls.data(), ball_bounds, detail::cross_ball);
 }
 
 void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSegment> segments) const {
@@ -178,7 +154,7 @@ void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSe
       query.entry[i] = query.exit[i] = kEndless;
       query.ball[i] = -1;
     }
-    rtcIntersect8(valid, state_->scene, &query.context, &packet);
+    rtcIntersect8(valid, state_->embree.scene(), &query.context, &packet);
     for (unsigned i = 0; i < count; ++i)
       segments[first + i] = {query.ball[i] >= 0, query.entry[i], query.exit[i], query.radius[i]};
   }

@@ -1,4 +1,4 @@
-// Where rays run inside a union of balls (Embree).
+// Segments of rays inside a union of balls (Embree).
 #pragma once
 
 #include <cstdint>
@@ -11,33 +11,33 @@
 namespace sansmesh::inline v1 {
 
 struct SegmentQuery {
-  Vec3f origin, direction;  ///< direction: unit vector
+  Vec3f origin, direction;  ///< unit direction
   float from = 0, far = 0;  ///< along the ray
 };
 
 /// The part of a ray inside one ball.
 struct BallSegment {
   bool found = false;
-  float entry = 0, exit = 0;  ///< entry: at least `from` of the query; exit: may lie beyond `far`
+  float entry = 0, exit = 0;  ///< entry: at least `from` of the query; exit: may be beyond `far`
   float radius = 0;
 };
 
-/// Built once, then asked from any thread.
+/// Built once; queries are thread-safe.
 class BallSegments {
  public:
-  /// Finite centres, positive radii, at least one.
+  /// Finite centres, positive radii, at least one ball.
   explicit BallSegments(const BallUnion& balls);
   BallSegments(BallSegments&&) noexcept;
   BallSegments& operator=(BallSegments&&) noexcept;
   ~BallSegments();
 
-  /// For each query the ball that the ray is in or enters first from `from` on, up to `far`; of several balls that hold
-  /// the place `from` the one that it leaves last. Balls that it leaves right there (`slack`) do not count: asking
-  /// again from where a ball ends goes on to the next one. Neighbouring rays in neighbouring slots go fastest. The
-  /// answer does not depend on the number of threads. Sizes must agree.
+  /// For each query the ball that contains the ray at `from`, or else the first ball that it enters up to `far`. If
+  /// several balls contain the ray at `from`, the one that it leaves last. Balls that it leaves within `slack` of
+  /// `from` do not count, so that a query from the end of a ball continues to the next. Fastest if neighbouring rays
+  /// are adjacent. Does not depend on the number of threads. Sizes must agree.
   void first(std::span<const SegmentQuery> queries, std::span<BallSegment> segments) const;
 
-  /// Length along the ray that counts as nothing.
+  /// Negligible length along the ray.
   static float slack(float distance, float radius) { return kSlackOfRadius * radius + kSlackOfDistance * distance; }
   static constexpr float kSlackOfRadius = 1e-4f, kSlackOfDistance = 1e-6f;
 

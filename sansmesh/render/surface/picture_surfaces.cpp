@@ -20,14 +20,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSheetsApart = 2e-5;  // of the diagonal: nearer ones may be the same one once more
+constexpr double kSheetsApart = 2e-5;  // share of the diagonal: closer sheets may be the same one
 
-/// Whether a painter takes means over neighbouring pixels.
+/// Whether the painter averages over neighbouring pixels.
 bool soft_light(const RenderOptions& options) {
   return options.look.shadows || options.look.ground || options.quality.occlusion_rays > 0;
 }
 
-/// A surface with a caster that has coordinates of its own.
+/// A surface whose caster has local coordinates.
 class PlacedScene final : public PictureScene {
  public:
   PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
@@ -45,14 +45,14 @@ class PlacedScene final : public PictureScene {
   SurfaceScene scene_;
 };
 
-/// A scene that pictures share, with streaks along its flow or as it is.
+/// A scene shared by pictures, with or without streaks along its flow.
 class FlowScene final : public PictureScene {
  public:
   FlowScene(std::shared_ptr<const PictureScene> scene, const Camera& camera,
             const std::optional<FlowTextureOptions>& streaks, const RenderOptions& picture)
       : scene_(std::move(scene)) {
     if (!streaks) return;
-    // Then a pixel is asked for by the ray that the texture has cast, and pixels beyond the border are not.
+    // Then each query ray equals the texture's ray of that pixel, and there are no queries beyond the border.
     one_a_pixel_ = picture.quality.samples == 1 && !soft_light(picture);
     texture_.emplace(*scene_, camera, picture.view.width, picture.view.height, one_a_pixel_);
     texture_->convolve(*streaks);
@@ -108,7 +108,7 @@ class CombinedScene final : public PictureScene {
   std::vector<std::unique_ptr<PictureScene>> scenes_;
 };
 
-/// Whatever the scene shows, seen through.
+/// Any scene with transmission of light.
 class TranslucentScene final : public PictureScene {
  public:
   TranslucentScene(std::unique_ptr<PictureScene> scene, float opacity, float apart)
@@ -172,7 +172,7 @@ class TranslucentScene final : public PictureScene {
   float opacity_, apart_;
 };
 
-/// A volume that nothing is to be seen of, around translucent surfaces.
+/// An invisible volume around translucent surfaces.
 class ClearVolume final : public VolumeField {
  public:
   explicit ClearVolume(const Box3& box) : box_(box) {}
@@ -201,17 +201,17 @@ void FlowLook::validate() const {
   check_range("opacity", opacity, 0, 1);
 }
 
-PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
+SceneFactory scene_factory(const TriangleMesh& mesh, const RenderOptions& options) {
   options.validate();
   auto shared = std::make_shared<const TriangleMesh>(mesh);
-  make_subject(*shared, options);  // there is something to draw
+  make_subject(*shared, options);  // throws if there is nothing to draw
   return [shared, options](const PictureFrame& frame, const Camera& camera) {
     return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera);
   };
 }
 
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
-                                  const SurfaceRenderOptions& options) {
+SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
+                           const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.picture.look.shadows = false;
@@ -221,7 +221,7 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame&
   };
 }
 
-PictureSurface translucent(PictureSurface surface, double opacity, double apart) {
+SceneFactory translucent(SceneFactory surface, double opacity, double apart) {
   check_range("opacity", opacity, 0, 1);
   return [surface = std::move(surface), opacity, apart](const PictureFrame& frame, const Camera& camera) {
     const double sheets = std::max(kSheetsApart, apart / frame.size);
@@ -237,7 +237,7 @@ struct DrawnFlow::State {
   PictureFrame frame;
   bool splats = false;
   double opacity = 1;
-  std::shared_ptr<const PictureScene> scene;  // of these
+  std::shared_ptr<const PictureScene> scene;  // for the values above
 
   std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera, const FlowLook& look) {
     const std::lock_guard lock(mutex);
@@ -265,7 +265,7 @@ DrawnFlow::DrawnFlow(FlowSubject subject, const RenderOptions& options) : state_
   state_->options = options;
 }
 
-PictureSurface DrawnFlow::surface(const FlowLook& look) const {
+SceneFactory DrawnFlow::surface(const FlowLook& look) const {
   look.validate();
   const FlowSubject& subject = state_->subject;
   check_argument(!look.splats || subject.fronts.size() == subject.mesh.vertices.size(),
@@ -275,18 +275,17 @@ PictureSurface DrawnFlow::surface(const FlowLook& look) const {
   };
 }
 
-Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress) {
   options.validate();
   Box3 box;
   for (const Vec3& p : points)
     if (is_finite(p)) box.extend(p);
   if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
-  if (box.empty()) throw DataError("nothing to draw: no finite points");
-  const double size = box.diagonal();
-  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
+  const PictureFrame frame = frame_of_points(box);
   if (translucent) {
-    const Vec3 rim{1e-3 * size, 1e-3 * size, 1e-3 * size};  // what is flat has no inside
+    const double wide = 1e-3 * frame.size;
+    const Vec3 rim{wide, wide, wide};  // flat content has no inside
     const ClearVolume field({box.lower - rim, box.upper + rim});
     VolumePictureOptions o;
     o.picture = options;
@@ -299,14 +298,13 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
     subject.surfaces.assign(surfaces.begin(), surfaces.end());
     return render_volume(subject, o, progress);
   }
-  const PictureFrame frame{box.center(), size};
   std::vector<Vec3f> placed;
   for (const Vec3& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(p));
   const Camera camera = picture_camera(placed, frame, options);
   progress.begin("preparing");
   std::vector<std::unique_ptr<PictureScene>> scenes;
-  for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
+  for (const SceneFactory& surface : surfaces) scenes.push_back(surface(frame, camera));
   const CombinedScene scene(std::move(scenes));
   return paint_scene(scene, camera, frame, options, soft_light(options), placed, 0, progress);
 }

@@ -1,4 +1,4 @@
-// Surfaces of all kinds that stand in one picture.
+// Factories of surfaces of all kinds for one picture.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// A surface without a mesh, whose coordinates lie at `place` in those of the picture. Caster and colours (which may be
-/// null) must outlive the pictures.
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
-                                  const SurfaceRenderOptions& options);
+/// A surface without a mesh, with local coordinates in `frame`. Caster and colours (which may be null) must outlive the
+/// pictures.
+SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
+                           const SurfaceRenderOptions& options);
 
-/// How a surface with a flow along it looks.
+/// Appearance of a surface with a flow along it.
 struct FlowLook {
-  std::optional<FlowTextureOptions> texture = FlowTextureOptions{};  ///< none: smooth
-  /// Share of the light from behind that is kept back where the surface is seen at right angles, 0..1; at others it is
-  /// more, as of a sheet of glass.
+  std::optional<FlowTextureOptions> texture = FlowTextureOptions{};  ///< none: no streaks
+  /// Share of light that the surface blocks where it faces the viewer, 0..1; it increases at oblique angles, as for
+  /// glass.
   double opacity = 1;
-  bool splats = false;  ///< draws the vertices as discs that blend (SplatScene), not the triangles
+  bool splats = false;  ///< draws the vertices as blended discs (SplatScene) instead of the triangles
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
@@ -38,28 +38,29 @@ struct FlowLook {
 /// A surface with a flow along it.
 struct FlowSubject {
   TriangleMesh mesh;
-  std::vector<Vec3f> vectors;        ///< at its vertices, of any length; of unsteady flows those of their own time
-  std::vector<std::int32_t> fronts;  ///< of its vertices: neighbouring numbers are neighbours in time; only for splats
+  std::vector<Vec3f> vectors;  ///< at the vertices, of any length; in unsteady flows at the vertex' own time
+  std::vector<std::int32_t>
+      fronts;  ///< fronts of the vertices: neighbouring numbers are neighbours in time; only for splats
 };
 
-/// A surface of a flow that is drawn several times: all pictures with the same frame share what they can.
+/// A flow surface for several pictures: all pictures with the same frame share their data.
 class DrawnFlow {
  public:
-  /// `options`: those of the pictures, whose size the streaks have. Throws ArgumentError unless there is a vector for
-  /// each vertex.
+  /// `options`: those of the pictures; their size determines the size of the streaks. Throws ArgumentError unless there
+  /// is one vector per vertex.
   DrawnFlow(FlowSubject subject, const RenderOptions& options);
-  /// Throws ArgumentError for a bad look, and unless for splats there is a front for each vertex.
-  PictureSurface surface(const FlowLook& look) const;
+  /// Throws ArgumentError for bad options, and for splats unless there is one front per vertex.
+  SceneFactory surface(const FlowLook& look) const;
 
  private:
   struct State;
   std::shared_ptr<State> state_;
 };
 
-/// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
-/// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without
-/// shadows and ground. Throws DataError where there is nothing to frame, ArgumentError for bad options.
-Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+/// Picture of the surfaces, lit as in render_mesh(), with shadows. `points` (at least one finite, in the coordinates of
+/// the surfaces) determine the frame. With `translucent`, surfaces with an opacity below 1 transmit light; then without
+/// shadows and ground. Throws DataError if there is nothing to frame, ArgumentError for bad options.
+Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -7,15 +7,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kAims = 8;                // jumps to where the surface should be, a ball
+constexpr int kAims = 8;                // predicted jumps per ball
 constexpr int kRimSteps = 3;            // bisections towards the rim of the domain
-constexpr int kQuickRounds = 5;         // in a bracket, before it is halved
-constexpr int kMostEvaluations = 5000;  // no ray needs them; no field may hang us
-constexpr double kOutsideStep = 0.25;   // of the ball's radius, at least
-constexpr double kAimReach = 3;         // largest steps that a jump may be long,
-constexpr double kAimSlant = 4;         // and distances to the surface
-constexpr double kBeyond = 4;           // radii: values outside of the domain beyond that are no distances
-constexpr double kTrust = 1.2;          // no surface is nearer than the field's value over this
+constexpr int kQuickRounds = 5;         // in a bracket, before bisection
+constexpr int kMostEvaluations = 5000;  // far more than any ray needs; a bound for irregular fields
+constexpr double kOutsideStep = 0.25;   // least step, as a share of the ball's radius
+constexpr double kAimReach = 3;         // length limit of a jump, in largest steps
+constexpr double kAimSlant = 4;         // and in distances to the surface
+constexpr double kBeyond = 4;           // radii: larger values outside of the domain are not distances
+constexpr double kTrust = 1.2;          // no surface is closer than the field's value over this
 
 bool opposite(double a, double b) { return (a < 0) != (b < 0); }
 
@@ -23,7 +23,7 @@ bool opposite(double a, double b) { return (a < 0) != (b < 0); }
 
 void RayWalk::finish(bool hit) {
   hit_ = hit;
-  want_ = Want::nothing;
+  request_ = Request::nothing;
 }
 
 void RayWalk::begin(const BallSegment& segment) {
@@ -31,7 +31,7 @@ void RayWalk::begin(const BallSegment& segment) {
   at_start_ = !walking_ && segment.entry <= end_;
   walking_ = true;
   radius_ = segment.radius;
-  // Just inside: the domain of the field may be the very same balls.
+  // Just inside: the domain of the field may be the same balls.
   const double margin = 0.5 * BallSegments::slack(segment.entry, segment.radius);
   at_ = at_start_ ? segment.entry : segment.entry + margin;
   end_ = std::min(far_, segment.exit - margin);
@@ -39,7 +39,7 @@ void RayWalk::begin(const BallSegment& segment) {
   from_outside_ = leaving_ = false;
   phase_ = Phase::march;
   residual_ = 0;
-  want_ = Want::root;
+  request_ = Request::root;
 }
 
 void RayWalk::leave() { begin(following_); }
@@ -50,29 +50,29 @@ void RayWalk::enter(const BallSegment& segment, const WalkRules& rules) {
   if (!segment.found || segment.entry > end_ + 2 * gap) return stop_at(end_, rules, segment);
   end_ = std::max(end_ + 0.1 * gap, std::min(far_, segment.exit - 0.5 * gap));
   radius_ = segment.radius;
-  go_to(next_, rules, next_want_);
+  go_to(next_, rules, next_request_);
 }
 
-/// The last sample before a gap, unless the surface is too far away for it to matter.
+/// Stops at the last sample before a gap, unless the surface is too far away to matter.
 void RayWalk::stop_at(double t, const WalkRules& rules, const BallSegment& following) {
   following_ = following;
   const double left = t - low_.t;
   if (known_ == 0 || left < rules.tolerance * radius_ || std::abs(low_.value) > kTrust * left) return leave();
   leaving_ = true;
   at_ = t;
-  want_ = Want::value;
+  request_ = Request::value;
 }
 
-void RayWalk::go_to(double t, const WalkRules& rules, Want want) {
+void RayWalk::go_to(double t, const WalkRules& rules, Request request) {
   if (t <= end_) {
     at_ = t;
-    want_ = want;
+    request_ = request;
   } else if (end_ >= far_) {
     stop_at(far_, rules, {});
   } else {
     next_ = t;
-    next_want_ = want;
-    want_ = Want::segment;
+    next_request_ = request;
+    request_ = Request::segment;
   }
 }
 
@@ -81,12 +81,12 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
   const bool start = at_start_;
   at_start_ = false;
   if (!sample.inside || !std::isfinite(sample.value)) {
-    // No crossing counts across a hole.
+    // A change of sign across a hole is not a crossing.
     if (phase_ != Phase::march) return go_on_from(high_, rules);
     return step_outside(sample, rules);
   }
   if (!start && accept(sample, rules)) {
-    // At grazing angles the root that a foot suggests is far from where the foot agrees.
+    // At grazing angles the root predicted by a foot is far from the surface.
     if (std::abs(sample.root) <= 0.05 * radius_ && at_ + sample.root <= end_) at_ += sample.root;
     normal_ = sample.normal;
     return finish(true);
@@ -104,13 +104,13 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
     return close_in(sample, rules);
   }
   if (from_outside_) {
-    // Is the surface between the rim of the domain and here?
+    // Searches for the surface between the rim of the domain and this sample.
     const bool other_side = std::abs(outside_value_) > kBeyond * radius_ || opposite(outside_value_, now.value);
     if (rim_ < kRimSteps && other_side && std::abs(now.value) < now.t - outside_) {
       ++rim_;
       inside_again_ = now.t;
       at_ = 0.5 * (outside_ + now.t);
-      want_ = Want::value;
+      request_ = Request::value;
       return;
     }
     from_outside_ = false;
@@ -133,8 +133,8 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
 /// Whether the sample shows that the surface is here.
 bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   const double tolerance = rules.tolerance * radius_;
-  if (rules.feet) {
-    // Each jump leaves a share of the last residual: so will the next one, which need not be asked.
+  if (rules.projected) {
+    // Each jump leaves a share of the last residual; the prediction for the next one saves an evaluation.
     if (sample.residual <= tolerance) return true;
     const double share = std::max(0.1, sample.residual / residual_);
     return sample.residual * share <= 0.5 * tolerance && std::abs(sample.root) <= 40 * tolerance;
@@ -144,13 +144,13 @@ bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   if (root > end_) return false;
   if (known_ > 0 && !(root > low_.t)) return false;
   if (phase_ == Phase::bracket ? !(root < high_.t) : known_ == 0) return false;
-  // Newton's step from here lands within the square of its length, over the radius of curvature.
+  // The error of a Newton step is within the square of its length, over the radius of curvature.
   return std::abs(sample.root) <= std::max(tolerance, 0.3 * std::sqrt(rules.tolerance) * radius_ * sample.slant) &&
          sample.slant > 0.02;
 }
 
 void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
-  // Fields that flatten out are farther from zero than their value.
+  // Where the gradient is small, the distance exceeds the value.
   const double distance = std::abs(sample.value) / std::clamp(sample.steepness, 0.4, 1.0);
   const double step = std::clamp(distance, rules.smallest_step * radius_, rules.largest_step * radius_);
   const double root = sample.root;
@@ -158,20 +158,20 @@ void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
   if (aims_ < kAims && std::abs(root) <= reach) {
     if (root > 0) {
       ++aims_;
-      return go_to(low_.t + root, rules, Want::root);
+      return go_to(low_.t + root, rules, Request::root);
     }
-    if (rules.feet && known_ > 1 && low_.t + root > before_.t) {  // have we jumped over it?
+    if (rules.projected && known_ > 1 && low_.t + root > before_.t) {  // a jump may have passed it
       ++aims_;
       high_ = low_;
       at_ = low_.t + root;
       low_ = before_;
       phase_ = Phase::dip;
-      want_ = Want::value;
+      request_ = Request::value;
       return;
     }
   }
   residual_ = 0;
-  go_to(low_.t + step, rules, Want::root);
+  go_to(low_.t + step, rules, Request::root);
 }
 
 void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
@@ -179,10 +179,10 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   if (known_ > 0 && rim_ < kRimSteps && std::abs(low_.value) < at_ - low_.t) {
     ++rim_;
     at_ = 0.5 * (low_.t + at_);
-    want_ = Want::value;
+    request_ = Request::value;
     return;
   }
-  // What a field says beyond its domain may be worth little, but for how far to go.
+  // Values beyond the domain are unreliable, except for the step length.
   const double value = std::abs(sample.value), least = kOutsideStep * radius_;
   const double step = value < kBeyond * radius_ ? std::clamp(0.7 * value, least, radius_) : least;
   const double ahead = from_outside_ && inside_again_ > at_ ? inside_again_ : at_ + step;
@@ -193,10 +193,10 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   outside_value_ = std::isfinite(sample.value) ? sample.value : std::numeric_limits<double>::max();
   inside_again_ = 0;
   residual_ = 0;
-  go_to(ahead, rules, Want::root);
+  go_to(ahead, rules, Request::root);
 }
 
-/// Three samples on the same side, the middle one nearest: would a parabola through them reach the surface?
+/// Of three samples on the same side with the middle one nearest: whether a parabola through them reaches the surface.
 bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
   const double a = std::abs(before_.value), b = std::abs(low_.value), c = std::abs(now.value);
   const double left = low_.t - before_.t, right = now.t - low_.t;
@@ -210,21 +210,21 @@ bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
   high_ = now;
   at_ = before_.t + s;
   phase_ = Phase::dip;
-  want_ = Want::value;
+  request_ = Request::value;
   return true;
 }
 
-/// As if the sample there had just been taken and found nothing.
+/// Continues as if the sample there had found nothing.
 void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
   phase_ = Phase::march;
   low_ = place;
   known_ = 1;
   if (leaving_) return leave();
   const double step = std::clamp(std::abs(place.value), rules.smallest_step * radius_, rules.largest_step * radius_);
-  go_to(place.t + step, rules, Want::root);
+  go_to(place.t + step, rules, Request::root);
 }
 
-/// The sample is one end of the bracket [low_, high_]: where to look next.
+/// The sample is one end of the bracket [low_, high_]; chooses the next position.
 void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
   const double width = high_.t - low_.t, guard = 0.25 * std::min(rules.tolerance * radius_, width);
   const double middle = 0.5 * (low_.t + high_.t);
@@ -234,20 +234,20 @@ void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
   const double t = trusted ? aimed : quick ? low_.t + width * low_.value / (low_.value - high_.value) : middle;
   if (!trusted) residual_ = 0;
   at_ = std::clamp(t, low_.t + guard, high_.t - guard);
-  want_ = Want::root;
+  request_ = Request::root;
 }
 
 void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
-  // The end that stays twice pulls less (Illinois): the next line through both ends lands beyond the root.
+  // Illinois rule: the end that stays twice has half the weight, so that the next secant lands beyond the root.
   const bool beyond = opposite(sample.value, low_.value);
   if (rounds_ > 1 && beyond == beyond_) (beyond ? low_ : high_).value *= 0.5;
   (beyond ? high_ : low_) = {at_, sample.value};
   beyond_ = beyond;
   const double tolerance = rules.tolerance * radius_;
   if (high_.t - low_.t <= tolerance) {
-    // A long jump from one side to the other without a zero is no surface, nor is a place that the projection moves on.
-    const double off = rules.feet ? sample.residual : std::abs(sample.value);
-    if (off > std::max(10 * tolerance, rules.feet ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
+    // A long jump from one side to the other without a zero is not a surface, nor is a point that the projection moves.
+    const double off = rules.projected ? sample.residual : std::abs(sample.value);
+    if (off > std::max(10 * tolerance, rules.projected ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
     normal_ = sample.normal;
     return finish(true);
   }

@@ -1,4 +1,4 @@
-// How one ray looks for a surface: where to evaluate next, and what the samples so far mean. Knows no field.
+// Root search of one ray: the next position to evaluate, given the samples so far. Independent of the field.
 #pragma once
 
 #include <limits>
@@ -8,17 +8,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// What holds for all rays of a caster; shares of the radius of the ball around a place.
+/// Parameters common to all rays of a caster, as shares of the radius of the local ball.
 struct WalkRules {
   double tolerance = 1e-3, smallest_step = 0.1, largest_step = 0.5, jump = 0.01;
-  bool feet = false;  ///< samples come from a projection
+  bool projected = false;  ///< samples come from a projection
 };
 
-/// The surface as seen from one place of the ray.
+/// Sample of the surface at a position of the ray.
 struct WalkSample {
-  bool inside = false;  ///< the domain of definition
-  double value = 0;     ///< signed distance, about
-  /// How far along the ray the surface should be, by what is known here; not a number: nothing is.
+  bool inside = false;  ///< inside the domain of definition
+  double value = 0;     ///< approximate signed distance
+  /// Predicted distance to the surface along the ray; NaN if there is no prediction.
   double root = std::numeric_limits<double>::quiet_NaN();
   double slant = 1;      ///< |cosine| between ray and normal, with `root`
   double steepness = 1;  ///< length of the gradient, with `root`
@@ -26,11 +26,11 @@ struct WalkSample {
   Vec3f normal;
 };
 
-/// The walk along one ray: march from ball to ball; aim where the surface should be by what is known; once the sign has
-/// changed, close in on the root; where the distance falls and rises again, look for a double root in between.
+/// State of one ray: it marches from ball to ball and jumps to the predicted surface. After a change of sign it
+/// brackets the root. Where the distance decreases and increases again, it searches for a double root in between.
 class RayWalk {
  public:
-  enum class Want {
+  enum class Request {
     segment,  ///< the next ball from `end()` on: enter()
     value,    ///< the field at `at()`: take()
     root,     ///< the same, with the gradient
@@ -40,12 +40,12 @@ class RayWalk {
   RayWalk() = default;
   RayWalk(float near, float far) : end_(near), far_(far) {}
 
-  Want want() const { return want_; }
+  Request request() const { return request_; }
   double at() const { return at_; }
   double end() const { return end_; }
   double far() const { return far_; }
   bool hit() const { return hit_; }
-  double distance() const { return at_; }  ///< of the hit
+  double distance() const { return at_; }  ///< distance of the hit
   const Vec3f& normal() const { return normal_; }
   double radius() const { return radius_; }
   int evaluations() const { return evaluations_; }
@@ -62,7 +62,7 @@ class RayWalk {
   void begin(const BallSegment& segment);
   void leave();
   void finish(bool hit);
-  void go_to(double t, const WalkRules& rules, Want want);
+  void go_to(double t, const WalkRules& rules, Request request);
   void stop_at(double t, const WalkRules& rules, const BallSegment& following);
   void march_on(const WalkSample& sample, const WalkRules& rules);
   void step_outside(const WalkSample& sample, const WalkRules& rules);
@@ -73,21 +73,21 @@ class RayWalk {
   void go_on_from(const Place& place, const WalkRules& rules);
 
   double at_ = 0, end_ = 0, far_ = 0, radius_ = 0;
-  double next_ = 0;  // where to go once the ball behind end_ is known
-  Want want_ = Want::segment, next_want_ = Want::value;
+  double next_ = 0;  // next position once the ball behind end_ is known
+  Request request_ = Request::segment, next_request_ = Request::value;
   Phase phase_ = Phase::march;
-  bool walking_ = false;   // end_ ends a ball that the ray is in
-  bool at_start_ = false;  // the ray starts here, in a ball
+  bool walking_ = false;   // end_ is the end of a ball that contains the ray
+  bool at_start_ = false;  // the ray starts here, inside a ball
   bool leaving_ = false;   // the last sample before a gap between the balls
   bool hit_ = false;
   BallSegment following_;  // behind that gap
-  int known_ = 0;          // how many of low_ and before_ hold, of one stretch inside the domain
+  int known_ = 0;          // number of valid values among low_ and before_ in one stretch inside the domain
   Place low_, before_;     // the last sample and the one before it
-  Place high_;             // other side of the surface, or where to go on after a look into a dip
-  double residual_ = 0;    // of the sample before, if it aimed at this one; else 0
+  Place high_;             // other side of the surface, or the position to continue from after a dip
+  double residual_ = 0;    // residual of the previous sample, if it was aimed at this one; else 0
   double outside_value_ = 0;
-  double outside_ = 0;       // the last place outside of the domain
-  double inside_again_ = 0;  // a place beyond it that is inside
+  double outside_ = 0;       // the last position outside of the domain
+  double inside_again_ = 0;  // a position beyond it that is inside
   bool from_outside_ = false;
   bool beyond_ = false;  // the last sample in the bracket
   int rim_ = 0, aims_ = 0, rounds_ = 0;

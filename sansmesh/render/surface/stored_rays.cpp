@@ -8,17 +8,16 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/parallel.h"
-#include "sansmesh/error.h"
+#include "sansmesh/render/scene/embree_scene.h"
 #include "sansmesh/render/surface/ball_segments.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Projections in one ball: the sources report two to three.
+/// Limit of projections in one ball: the sources report two to three.
 constexpr int kMostProjections = 8;
 
-/// The roots of height + slope t + square t² = 0 in ascending order; not a number where there are none.
+/// The roots of height + slope t + square t² = 0 in ascending order; NaN if there are none.
 std::array<double, 2> roots_of(double square, double slope, double height) {
   const double discriminant = slope * slope - 4 * square * height;
   if (discriminant < 0) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
@@ -58,7 +57,7 @@ struct PatchQuery {
 void patch_bounds(const RTCBoundsFunctionArguments* arguments) {
   const Patch& p = static_cast<const Patch*>(arguments->geometryUserPtr)[arguments->primID];
   RTCBounds& b = *arguments->bounds_o;
-  // Beyond what the centre loses in single precision.
+  // Beyond the rounding of the centre to single precision.
   const double lost = 1e-6 * (std::abs(p.center.x) + std::abs(p.center.y) + std::abs(p.center.z));
   const auto r = static_cast<float>(p.radius * (1 + 1e-6) + lost);
   const Vec3f c(p.center);
@@ -66,7 +65,7 @@ void patch_bounds(const RTCBoundsFunctionArguments* arguments) {
   b.upper_x = c.x + r, b.upper_y = c.y + r, b.upper_z = c.z + r;
 }
 
-/// Of several at the same place the first ball counts, whatever order Embree's tree has.
+/// Among several at the same distance the first ball counts, independent of Embree's tree.
 void cross_patch(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& query = *reinterpret_cast<PatchQuery*>(arguments->context);
@@ -96,16 +95,7 @@ void cross_patch(const RTCIntersectFunctionNArguments* arguments) {
 
 struct StoredPolynomials::State {
   std::vector<Patch> patches;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  State() = default;
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
+  detail::EmbreeScene embree;
 };
 
 StoredPolynomials::StoredPolynomials(StoredPolynomials&&) noexcept = default;
@@ -121,20 +111,7 @@ StoredPolynomials::StoredPolynomials(const Projection& projection, const BallUni
   s.patches.reserve(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i)
     s.patches.push_back({feet[i], centers[i], static_cast<double>(balls.radii[i])});
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw Error("the ray caster (Embree) cannot start");
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(s.patches.size()));
-  rtcSetGeometryUserData(geometry, s.patches.data());
-  rtcSetGeometryBoundsFunction(geometry, patch_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, cross_patch);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  lend_threads([&] { rtcCommitScene(s.scene); });
-  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
+  s.embree.build(static_cast<unsigned>(s.patches.size()), s.patches.data(), patch_bounds, cross_patch);
 }
 
 void StoredPolynomials::first(std::span<const CastRay> rays, std::span<StoredHit> hits) const {
@@ -149,7 +126,7 @@ void StoredPolynomials::first(std::span<const CastRay> rays, std::span<StoredHit
     ray.ray.tnear = r.near, ray.ray.tfar = r.far;
     ray.ray.mask = 0xFFFFFFFFu;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(state_->scene, &query.context, &ray);
+    rtcIntersect1(state_->embree.scene(), &query.context, &ray);
     hits[i] = query.best;
   }
 }
@@ -167,7 +144,7 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
   struct Walk {
     std::uint32_t ray = 0, ball = 0;
     double at = 0;
-    float from = 0;  ///< the next stored polynomial is behind that
+    float from = 0;  ///< the next stored polynomial is beyond this distance
     int in_ball = 0, evaluations = 0;
     bool seeks = true;
   };

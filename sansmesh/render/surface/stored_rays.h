@@ -1,4 +1,4 @@
-// Rays that start from polynomials stored with the samples (METHODS §4; tejada2008 §4.5.1, after Adamson & Alexa 2003).
+// Ray casting that starts from polynomials stored with the samples (tejada2008, 4.5.1, after Adamson & Alexa 2003).
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,25 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Where a ray meets the polynomial of a ball inside it.
+/// Intersection of a ray with the polynomial of a ball inside that ball.
 struct StoredHit {
   bool found = false;
   float distance = 0;  ///< along the ray
   std::uint32_t ball = 0;
 };
 
-/// The local approximation at the centre of each ball: the projection's foot there with its second derivatives. A
-/// projection is applied to the centres once; where it is undefined a ball has none.
+/// Local approximation at the centre of each ball: the projection's foot with its second derivatives. The constructor
+/// projects the centres once; balls without a projection have no polynomial.
 class StoredPolynomials {
  public:
-  /// Finite centres, positive radii, at least one.
+  /// Finite centres, positive radii, at least one ball.
   StoredPolynomials(const Projection& projection, const BallUnion& balls);
   StoredPolynomials(StoredPolynomials&&) noexcept;
   StoredPolynomials& operator=(StoredPolynomials&&) noexcept;
   ~StoredPolynomials();
 
-  /// The nearest meeting of each ray, between `near` and `far`, with any of the polynomials inside its ball. Does not
-  /// depend on the number of threads. Sizes must agree.
+  /// The nearest intersection of each ray, between `near` and `far`, with any of the polynomials inside its ball. Does
+  /// not depend on the number of threads. Sizes must agree.
   void first(std::span<const CastRay> rays, std::span<StoredHit> hits) const;
 
  private:
@@ -37,14 +37,14 @@ class StoredPolynomials {
   std::unique_ptr<State> state_;
 };
 
-/// Where the ray, at x, meets the surface around the foot, as a way along the ray: the nearest root of a quadratic. Not
-/// a number: nowhere near.
+/// Distance along the ray from x to the surface around the foot: the nearest root of a quadratic. NaN if the surface is
+/// not near.
 double meet(const FootPoint& foot, const Vec3& x, const Vec3& direction);
 
-/// Each ray begins where it first meets a stored polynomial. There the operator is applied: if the foot is within
-/// `tolerance` (of the ball's radius) the surface is found; else the ray goes to where it meets the local approximation
-/// at the foot, as long as that is in the same ball; else to the next stored polynomial. Returns the number of
-/// projections for rays that hit, and for those that do not.
+/// Each ray starts at its first intersection with a stored polynomial and applies the projection there. If the foot is
+/// within `tolerance` (times the ball's radius), the surface is found. Otherwise the ray moves to its intersection with
+/// the local approximation at the foot if that is in the same ball, else to the next stored polynomial. Returns the
+/// number of projections for rays that hit and for rays that miss.
 struct StoredCounts {
   std::uint64_t hit_evaluations = 0, miss_evaluations = 0, queries = 0;
 };

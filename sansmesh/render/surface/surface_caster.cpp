@@ -19,9 +19,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kBatch = 1024;  // rays that walk together: their state stays in the cache
+constexpr std::size_t kBatch = 1024;  // rays advanced together: their state fits into the cache
 
-/// All that a batch needs, kept from one to the next.
+/// Memory of a batch, reused by later ones.
 struct Scratch {
   std::vector<RayWalk> walks;
   std::vector<std::uint32_t> active, asking, values, roots;
@@ -47,7 +47,7 @@ BallUnion usable(const BallUnion& balls) {
     kept.centers.push_back(balls.centers[i]);
     kept.radii.push_back(balls.radii[i]);
   }
-  if (kept.centers.empty()) throw DataError("no ball that could hold a surface");
+  if (kept.centers.empty()) throw DataError("no finite ball with a positive radius");
   return kept;
 }
 
@@ -80,7 +80,8 @@ struct SurfaceCaster::State {
   void sample_field(std::span<const CastRay> rays, Scratch& scratch) const;
   void sample_projection(std::span<const CastRay> rays, Scratch& scratch) const;
 
-  /// A thread that waits inside the field may be given another batch: so scratch belongs to batches, not to threads.
+  /// A thread that waits inside the field may start another batch, so scratch memory belongs to batches, not to
+  /// threads.
   std::unique_ptr<Scratch> borrow() const {
     const std::lock_guard lock(mutex);
     if (spare.empty()) return std::make_unique<Scratch>();
@@ -154,15 +155,15 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
   std::uint64_t queries = 0;
   while (true) {
     answer_queries(batch, s, queries);
-    // Pixels that are neighbours stay neighbours.
+    // Neighbouring pixels stay neighbours.
     s.values.clear();
     s.roots.clear();
     std::size_t left = 0;
     for (const std::uint32_t i : s.active) {
-      const RayWalk::Want want = s.walks[i].want();
-      if (want == RayWalk::Want::nothing) continue;
+      const RayWalk::Request request = s.walks[i].request();
+      if (request == RayWalk::Request::nothing) continue;
       s.active[left++] = i;
-      (want == RayWalk::Want::root && projection == nullptr ? s.roots : s.values).push_back(i);
+      (request == RayWalk::Request::root && projection == nullptr ? s.roots : s.values).push_back(i);
     }
     s.active.resize(left);
     if (left == 0) break;
@@ -220,7 +221,7 @@ void SurfaceCaster::State::refine_normals(std::span<CastHit> found, Scratch& s) 
 void SurfaceCaster::State::answer_queries(std::span<const CastRay> batch, Scratch& s, std::uint64_t& queries) const {
   s.asking.clear();
   for (const std::uint32_t i : s.active)
-    if (s.walks[i].want() == RayWalk::Want::segment) s.asking.push_back(i);
+    if (s.walks[i].request() == RayWalk::Request::segment) s.asking.push_back(i);
   while (!s.asking.empty()) {
     s.queries.clear();
     for (const std::uint32_t i : s.asking) {
@@ -235,7 +236,7 @@ void SurfaceCaster::State::answer_queries(std::span<const CastRay> batch, Scratc
     for (std::size_t k = 0; k < s.asking.size(); ++k) {
       const std::uint32_t i = s.asking[k];
       s.walks[i].enter(s.segments[k], rules);
-      if (s.walks[i].want() == RayWalk::Want::segment) s.asking[left++] = i;
+      if (s.walks[i].request() == RayWalk::Request::segment) s.asking[left++] = i;
     }
     s.asking.resize(left);
   }
@@ -289,11 +290,11 @@ void SurfaceCaster::State::sample_projection(std::span<const CastRay> batch, Scr
   }
 }
 
-void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) const {
+void SurfaceCaster::surface_points(std::span<Vec3f> positions, std::span<Vec3f> normals) const {
   const State& s = *state_;
   const std::size_t count = s.balls.centers.size();
   if (positions.size() != count || normals.size() != count)
-    throw ArgumentError("feet: as many positions and normals as balls are needed");
+    throw ArgumentError("surface_points: as many positions and normals as balls are needed");
   constexpr int kSteps = 3;
   parallel_ranges(0, count, 4096, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;
@@ -329,7 +330,7 @@ void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) c
 namespace {
 
 constexpr ReportRow kCastCountsRows[] = {
-    reported<&CastCounts::rays>({.name = "cast", .text = "Rays that were cast"}),
+    reported<&CastCounts::rays>({.name = "cast", .text = "Rays cast"}),
     reported<&CastCounts::hits>({.name = "hit", .text = "Rays that hit the surface"}),
     reported<[](const CastCounts& r) { return r.hit_evaluations + r.miss_evaluations; }>(
         {.name = "evaluations", .text = "Evaluations of the surface for these"})};

@@ -31,10 +31,7 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
   Box3 box;
   for (const Vec3f& p : points)
     if (is_finite(p)) box.extend(Vec3(p));
-  if (box.empty()) throw DataError("nothing to draw: no finite points");
-  const double size = box.diagonal();
-  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
-  const PictureFrame frame{box.center(), size};
+  const PictureFrame frame = frame_of_points(box);
   std::vector<Vec3f> placed;
   placed.reserve(points.size());
   for (const Vec3f& p : points)

@@ -1,4 +1,4 @@
-// Pictures of surfaces that were never meshed: lit like those of meshes, and with mirrors and glass.
+// Pictures of surfaces without a mesh, with mirrors and glass.
 #pragma once
 
 #include <span>
@@ -12,8 +12,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// The surface seen in perspective, framed by `points` (such as its samples; at least one finite) in the coordinates of
-/// the caster. `colors` may be null: surface_color. Does not depend on the number of threads. Throws DataError where
+/// Perspective picture of a surface, framed by `points` (usually its samples; at least one finite) in the coordinates
+/// of the caster. `colors` may be null: surface_color. Does not depend on the number of threads. Throws DataError if
 /// there is nothing to frame, ArgumentError for bad options.
 Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
                      const SurfaceRenderOptions& options, Progress& progress);

@@ -10,17 +10,17 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kShadowOffset = 2e-4f;     // of the diagonal: hides what floats cannot resolve
-constexpr float kOffSurface = 0.02f;       // of the ball's radius: many tolerances off the surface
-constexpr double kDiscWidth = 1.3;         // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
-constexpr float kParallelField = 0.27f;    // half the field of view whose background parallel rays see, a slope
-constexpr float kLeastWeight = 1.0f / 32;  // of light that rays are cast for
+constexpr float kShadowOffset = 2e-4f;     // share of the diagonal: hides the rounding of floats
+constexpr float kOffSurface = 0.02f;       // share of the ball's radius: many tolerances off the surface
+constexpr double kDiscWidth = 1.3;         // discs at random positions leave exp(−π 1.3²) = 0.5 % uncovered
+constexpr float kParallelField = 0.27f;    // half the field of view of the background for parallel rays, a slope
+constexpr float kLeastWeight = 1.0f / 32;  // least share of light that is traced
 
-/// Share that a clear body mirrors (Fresnel, unpolarised). `cosine`: of the angle outside of the normal, 0..1; `ratio`:
-/// index on the ray's side over that beyond.
+/// Reflected share of a clear body (Fresnel, unpolarised). `cosine`: between ray and normal, 0..1; `ratio`: index on
+/// the ray's side over the index beyond.
 float mirrored_share(float cosine, float ratio) {
   const float square = 1 - ratio * ratio * (1 - cosine * cosine);
-  if (square <= 0) return ratio > 1 ? 1 : 0;  // total reflection; or along the surface with nothing to tell it apart
+  if (square <= 0) return ratio > 1 ? 1 : 0;  // total reflection, or a ray along the surface without refraction
   const float beyond = std::sqrt(square);
   const float across = (ratio * cosine - beyond) / (ratio * cosine + beyond);
   const float along = (cosine - ratio * beyond) / (cosine + ratio * beyond);
@@ -33,7 +33,7 @@ Vec3f mirrored(const Vec3f& direction, const Vec3f& normal) {
 
 }  // namespace
 
-/// A ray that leaves the surface, on behalf of a ray from the eye.
+/// A secondary ray from the surface, for a ray from the eye.
 struct SurfaceScene::Path {
   std::uint32_t slot;
   float weight;
@@ -62,7 +62,7 @@ SurfaceScene::SurfaceScene(const SurfaceCaster& caster, const PictureFrame& fram
       mirror_(static_cast<float>(options.reflection)),
       clear_(static_cast<float>(options.transmission)),
       index_(static_cast<float>(options.refraction_index)) {
-  // Highlights are mirrored light, too: glass has those of other smooth bodies, but none without refraction.
+  // Highlights are also mirrored light: glass has those of other smooth bodies, but none without refraction.
   const float straight = mirrored_share(1, index_);
   gloss_ = (1 - clear_) + clear_ * std::min(1.0f, straight / 0.04f);
   const bool asks =
@@ -70,11 +70,11 @@ SurfaceScene::SurfaceScene(const SurfaceCaster& caster, const PictureFrame& fram
   if (asks && !options.exact_shadows) discs_ = shadow_discs();
 }
 
-/// Discs around the samples: shadows are soft, so they need not fall from the very surface.
+/// Discs around the samples: soft shadows do not need the exact surface.
 std::optional<RayScene> SurfaceScene::shadow_discs() {
   const BallUnion& balls = caster_.balls();
   std::vector<Vec3f> positions(balls.centers.size()), normals(balls.centers.size());
-  caster_.feet(positions, normals);
+  caster_.surface_points(positions, normals);
   PointSet cloud;
   cloud.positions = balls.centers;
   std::vector<float> sorted = balls.radii;
@@ -89,7 +89,7 @@ std::optional<RayScene> SurfaceScene::shadow_discs() {
     normals[kept++] = normals[i];
     radii.push_back(disc_over_ball_ * balls.radii[i] / static_cast<float>(frame_.size));
   }
-  if (kept == 0) {  // nothing to stand in for the surface
+  if (kept == 0) {  // no discs to represent the surface
     disc_over_ball_ = kOffSurface;
     return std::nullopt;
   }
@@ -98,7 +98,7 @@ std::optional<RayScene> SurfaceScene::shadow_discs() {
   return RayScene::discs(positions, normals, radii);
 }
 
-/// In the painter's coordinates, on the side that `toward` points to.
+/// Position off the surface in the painter's coordinates, on the side of `toward`.
 Vec3f SurfaceScene::off_surface(const CastHit& hit, const Vec3f& toward, float share) const {
   return frame_.to_picture(hit.position) +
          toward * (kShadowOffset + share * hit.radius / static_cast<float>(frame_.size));
@@ -144,12 +144,12 @@ void SurfaceScene::closest(const EyeRays& rays, std::span<std::optional<SurfaceP
     split(hit, directions[i], 1, i, s);
   }
   for (int bounce = 0; bounce < options_.bounces && !s.next_rays.empty(); ++bounce) follow(s, points);
-  // What is still on its way after that many turns sees the surroundings.
+  // Paths that remain after the last bounce see the surroundings.
   for (std::size_t k = 0; k < s.next_rays.size(); ++k)
     points[s.next_paths[k].slot]->beyond += environment(s.next_rays[k].direction) * s.next_paths[k].weight;
 }
 
-/// Sends on what the surface mirrors and lets through.
+/// Continues with the reflected and the transmitted ray.
 void SurfaceScene::split(const CastHit& hit, const Vec3f& direction, float weight, std::uint32_t slot,
                          Scratch& s) const {
   const bool entering = dot(hit.normal, direction) < 0;
@@ -170,12 +170,12 @@ void SurfaceScene::split(const CastHit& hit, const Vec3f& direction, float weigh
   }
 }
 
-/// One more turn of all paths.
+/// One bounce of all paths.
 void SurfaceScene::follow(Scratch& s, std::span<std::optional<SurfacePoint>> points) const {
   s.rays.clear();
   s.paths.clear();
   for (std::size_t k = 0; k < s.next_rays.size(); ++k) {
-    if (s.next_paths[k].weight < kLeastWeight) {  // too little light to be worth a ray
+    if (s.next_paths[k].weight < kLeastWeight) {  // too weak to trace
       points[s.next_paths[k].slot]->beyond += environment(s.next_rays[k].direction) * s.next_paths[k].weight;
       continue;
     }
@@ -223,13 +223,13 @@ void SurfaceScene::follow(Scratch& s, std::span<std::optional<SurfacePoint>> poi
   }
 }
 
-/// The background as the camera sees it, and a bright sky where it does not look.
+/// The background in the camera's field of view, and a bright sky elsewhere.
 Vec3f SurfaceScene::environment(const Vec3f& direction) const {
   if (options_.environment) return options_.environment(direction);
   const float ahead = -dot(direction, camera_.backward);
   const Vec3f sky = lighting_.sky_light(direction) * 2;
   if (ahead <= 0) return sky;
-  // Parallel rays see the background as those of a narrow field do.
+  // Parallel rays see the background like those of a narrow field of view.
   const float wide = camera_.parallel ? kParallelField / std::max(camera_.half_width, camera_.half_height) : 1;
   const float x = dot(direction, camera_.right) / (ahead * wide * camera_.half_width);
   const float y = dot(direction, camera_.up) / (ahead * wide * camera_.half_height);

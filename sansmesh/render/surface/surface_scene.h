@@ -1,4 +1,4 @@
-// A meshless surface as a painter sees it: lit, mirroring, clear.
+// Scene of a surface without a mesh: lit, reflecting, refracting.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace sansmesh::inline v1 {
 
 class SurfaceScene : public PictureScene {
  public:
-  /// What is passed must outlive the scene; `colors` may be null. `camera` in the painter's coordinates.
+  /// All arguments must outlive the scene; `colors` may be null. `camera` in the painter's coordinates.
   SurfaceScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
                const SurfaceRenderOptions& options);
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
@@ -39,7 +39,7 @@ class SurfaceScene : public PictureScene {
   const SurfaceRenderOptions& options_;
   Lighting lighting_;
   Vec3f color_;
-  float own_ = 1, mirror_ = 0, clear_ = 0, index_ = 1;  // shares of light; index of refraction
+  float own_ = 1, mirror_ = 0, clear_ = 0, index_ = 1;  // shares of light; refraction index
   float gloss_ = 1;
   float disc_over_ball_ = 0;
   std::optional<RayScene> discs_;

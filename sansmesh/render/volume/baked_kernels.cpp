@@ -14,8 +14,8 @@
 #define SANSMESH_RENDER_BRICK_PLACE
 namespace sansmesh::inline v1::detail {
 
-/// The way down the tree doubles the place in every step, which is exact.
-inline BrickPlace place_in_bricks(const BrickTree& tree, const Vec3& x) {
+/// Each level of the descent doubles the coordinates, which is exact.
+inline BrickPoint point_in_bricks(const BrickTree& tree, const Vec3& x) {
   double f[3];
   std::int32_t root = 0;
   for (int k = 2; k >= 0; --k) {
@@ -51,11 +51,12 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Four lanes (or one after another): a value and its gradient, which take the same way through the nodes of a cell.
+/// Four lanes (or fewer in sequence): a value and its gradient, which share the interpolation between the nodes of a
+/// cell.
 using BrickTag = hn::CappedTag<float, 4>;
 constexpr std::size_t kBrickLanes = hn::MaxLanes(BrickTag());
 
-HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* HWY_RESTRICT found) {
+HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPoint& p, float* HWY_RESTRICT found) {
   const BrickTag tag;
   const auto cell = [](float at) {
     const int i = static_cast<int>(at);
@@ -65,7 +66,7 @@ HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* 
   constexpr std::size_t kRow = 4u * kBrickNodes, kLayer = kRow * kBrickNodes;
   const auto tx = hn::Set(tag, p.x - static_cast<float>(i)), ty = hn::Set(tag, p.y - static_cast<float>(j));
   const auto tz = hn::Set(tag, p.z - static_cast<float>(k));
-  // Rounded twice on every machine: those without a fused multiply-add would take long to imitate one.
+  // Rounded twice on every machine: emulation of a fused multiply-add would be slow.
   const auto between = [](auto a, auto b, auto t) HWY_ATTR { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); };
   const auto along_x = [&](const float* from)
                            HWY_ATTR { return between(hn::LoadU(tag, from), hn::LoadU(tag, from + 4), tx); };
@@ -78,8 +79,8 @@ HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* 
   }
 }
 
-/// Fetches the nodes of a cell into the cache: bricks take far more than that holds, and rays meet them in no order.
-HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPlace& p) {
+/// Prefetches the nodes of a cell: bricks exceed the cache by far, and rays visit them in irregular order.
+HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPoint& p) {
   const auto cell = [](float at) { return std::min(static_cast<int>(at), kBrickCells - 1); };
   const float* const at = tree.nodes + static_cast<std::size_t>(p.brick) * kBrickSize +
                           4 * static_cast<std::size_t>(cell(p.x) + kBrickNodes * (cell(p.y) + kBrickNodes * cell(p.z)));
@@ -89,11 +90,11 @@ HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPlace& p) {
 
 void BrickValues(const BrickTree& tree, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) {
   constexpr std::size_t kTogether = 16;
-  BrickPlace places[kTogether];
+  BrickPoint places[kTogether];
   float found[4];
   for (std::size_t first = 0; first < x.size(); first += kTogether) {
     const std::size_t n = std::min(kTogether, x.size() - first);
-    for (std::size_t k = 0; k < n; ++k) FetchNodes(tree, places[k] = place_in_bricks(tree, x[first + k]));
+    for (std::size_t k = 0; k < n; ++k) FetchNodes(tree, places[k] = point_in_bricks(tree, x[first + k]));
     for (std::size_t k = 0; k < n; ++k) {
       BetweenNodes(tree, places[k], found);
       const std::size_t i = first + k;
@@ -111,7 +112,7 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 HWY_EXPORT(BrickValues);
 
-BrickPlace brick_place(const BrickTree& tree, const Vec3& x) { return place_in_bricks(tree, x); }
+BrickPoint brick_point(const BrickTree& tree, const Vec3& x) { return point_in_bricks(tree, x); }
 
 void brick_values(const BrickTree& tree, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) {
   HWY_DYNAMIC_DISPATCH(BrickValues)(tree, x, values, gradients);

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The first point beyond a value; jumps are taken at their value.
+/// The first point beyond a value; jumps take effect at their value.
 template <class Point>
 std::size_t point_after(const std::vector<Point>& points, double value) {
   const auto after =
@@ -70,10 +70,10 @@ void TransferFunction::validate() const {
   for (const ColorPoint& p : colors)
     for (std::size_t k = 0; k < 3; ++k)
       if (!(p.color[k] >= 0 && p.color[k] <= 1))
-        throw ArgumentError(fmt::format("`colors` must lie in 0..1, not {:g} (at {:g})", p.color[k], p.value));
+        throw ArgumentError(fmt::format("`colors` must be in 0..1, not {:g} (at {:g})", p.color[k], p.value));
   for (const OpacityPoint& p : opacities)
     if (!(p.opacity >= 0 && p.opacity <= 1))
-      throw ArgumentError(fmt::format("`opacities` must lie in 0..1, not {:g} (at {:g})", p.opacity, p.value));
+      throw ArgumentError(fmt::format("`opacities` must be in 0..1, not {:g} (at {:g})", p.opacity, p.value));
   if (reference_length && !(*reference_length > 0 && std::isfinite(*reference_length)))
     throw ArgumentError(fmt::format("`reference_length` must be positive, not {:g}", *reference_length));
 }

@@ -19,7 +19,7 @@ namespace {
 using TransferJson = nlohmann::ordered_json;
 
 constexpr int kTransferVersion = 1;
-constexpr int kCurved = 16;  // pieces that stand for a curve between two points
+constexpr int kCurved = 16;  // line segments that approximate a curve between two points
 
 [[noreturn]] void transfer_error(const std::string& cause) { throw ArgumentError(cause); }
 
@@ -87,18 +87,18 @@ TransferFunction own_transfer_function(const TransferJson& json) {
   return f;
 }
 
-/// The numbers of one of ParaView's lists, `each` a point.
+/// The numbers of one of ParaView's lists, `each` per point.
 std::vector<double> paraview_numbers(const TransferJson& json, const char* key, std::size_t each) {
   const TransferJson& list = transfer_list(json, key);
   if (list.empty() || list.size() % each != 0)
-    transfer_error(fmt::format("'{}' must hold {} numbers a point, not {} in all", key, each, list.size()));
+    transfer_error(fmt::format("'{}' must hold {} numbers per point, not {} in total", key, each, list.size()));
   std::vector<double> numbers;
   for (const TransferJson& n : list) numbers.push_back(transfer_number(n, fmt::format("'{}'", key)));
   return numbers;
 }
 
-/// Opacity between two of ParaView's points: the curve from one to the other is half way at `midpoint` and, the sharper
-/// it is, the more of a step there.
+/// Opacity between two of ParaView's points: the curve reaches the mean at `midpoint`, and approaches a step with
+/// growing sharpness.
 double paraview_opacity(double a, double b, double t, double midpoint, double sharpness) {
   midpoint = std::clamp(midpoint, 1e-5, 1 - 1e-5);
   t = t < midpoint ? 0.5 * t / midpoint : 0.5 + 0.5 * (t - midpoint) / (1 - midpoint);

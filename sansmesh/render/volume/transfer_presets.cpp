@@ -18,16 +18,16 @@ namespace {
 constexpr std::array<std::string_view, 6> kPresets{"ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray"};
 constexpr int kKnots = 17;
 constexpr double kReference = 0.02;  // default reference length, in diagonals of the volume
-// What a ray across the volume is to lose: −ln of what is left; and how long it is in a cube, in reference lengths.
+// Optical depth of a ray across the volume, and its length in a cube, in reference lengths.
 constexpr double kDepth = 1.4, kAcross = 1 / (1.7320508 * kReference);
-constexpr double kVeil = 0.25;  // what a ray loses at the surface of a body that is seen through: −ln of what is left
+constexpr double kVeil = 0.25;  // optical depth of the surface of a translucent body
 
-/// From dark violet over teal to light yellow: lightness rises evenly, which is what the eye reads as more.
+/// From dark violet over teal to light yellow; lightness, which the eye reads as quantity, rises uniformly.
 std::vector<ColorPoint> flow_colors(double lower, double upper) {
   std::vector<ColorPoint> colors;
   for (int i = 0; i < kKnots; ++i) {
     const double t = i / (kKnots - 1.0);
-    const double chroma = 0.1 + 0.04 * t * t;  // what sRGB has at all of these hues
+    const double chroma = 0.1 + 0.04 * t * t;  // within sRGB at all of these hues
     colors.push_back({lower + t * (upper - lower), srgb_of_oklch(0.28 + 0.64 * t, chroma, 300 - 195 * t)});
   }
   return colors;
@@ -42,7 +42,7 @@ std::vector<ColorPoint> diverging_colors(double lower, double upper) {
   return colors;
 }
 
-/// Two materials that a histogram tells apart: what surrounds everything, and what there is most of besides.
+/// Two materials of a histogram: the surroundings, and the most frequent other one.
 struct Materials {
   double air = 0, body = 0;
 };
@@ -69,7 +69,7 @@ std::optional<Materials> materials_of(const ValueHistogram& h) {
   double low_share = 0;
   for (std::size_t b = 0; b < kLowEnd; ++b) low_share += h.share[b];
   if (low_share < kAirShare) return std::nullopt;
-  // Peaks from the lowest on: the deepest valley so far stands before each.
+  // Visits peaks from the lowest on; each is compared with the deepest valley before it.
   double valley = s[air], best = 0;
   std::size_t body = 0;
   for (std::size_t b = air + 1; b + 1 < s.size(); ++b) {
@@ -84,7 +84,7 @@ std::optional<Materials> materials_of(const ValueHistogram& h) {
   return Materials{h.value(air), h.value(body)};
 }
 
-/// What Hounsfield units are in values of the data.
+/// Conversion from Hounsfield units to values of the data.
 struct Hounsfield {
   double slope = 1, offset = 0;
   double value(double units) const { return offset + slope * units; }
@@ -107,8 +107,8 @@ TransferFunction in_hounsfield(std::string_view name, const ValueHistogram& h, s
   return f;
 }
 
-/// Opacity at the peak of a veil over these values that keeps back about what a veil is to, however steep its surface
-/// is: the steeper, the thinner it is.
+/// Peak opacity of a veil over these values with the optical depth kVeil at any steepness of the surface: steep
+/// surfaces are thin.
 double veil_opacity(const ValueHistogram& h, double lower, double upper) {
   double slope = 0, share = 0;
   for (std::size_t b = 0; b < ValueHistogram::kBins; ++b)
@@ -127,14 +127,14 @@ TransferFunction of_materials(const ValueHistogram& h, const Materials& m) {
   f.colors = {{at(0.3), {0.72f, 0.40f, 0.30f}}, {at(0.6), {0.86f, 0.56f, 0.43f}}, {at(1), {0.72f, 0.33f, 0.26f}},
               {dense, {0.88f, 0.70f, 0.52f}},   {at(1.5), {0.96f, 0.90f, 0.77f}}, {top, {1, 0.99f, 0.96f}}};
   const double veil = veil_opacity(h, at(0.35), at(0.72));
-  // The surface of the body is a veil of its own; inside it there is little, so that what is dense shows.
+  // The surface of the body is a veil; its inside is nearly clear, so that dense material is visible.
   f.opacities = {{at(0.35), 0}, {at(0.5), veil}, {at(0.72), 0.035}, {at(1), 0.03},
                  {dense, 0.04}, {at(1.38), 0.5}, {at(1.6), 0.8},    {top, 0.9}};
   f.validate();
   return f;
 }
 
-/// Mean extinction, a reference length, of values with these shares.
+/// Mean extinction per reference length of values with these shares.
 double mean_extinction(const std::vector<double>& shares, const std::vector<double>& weights, double scale) {
   double sum = 0;
   for (std::size_t b = 0; b < shares.size(); ++b) sum -= shares[b] * std::log1p(-std::min(0.9, scale * weights[b]));
@@ -171,7 +171,7 @@ TransferFunction of_range(const ValueHistogram& h, bool& background, bool& signs
     if (background && b < 2 * kBackgroundBins)
       weights[b] *= b < kBackgroundBins ? 0 : static_cast<double>(b - kBackgroundBins) / kBackgroundBins;
   }
-  // Shells and layers are met by rays on a short way only.
+  // Rays have only a short path through shells and layers.
   const double across = h.across > 0 ? std::min(kAcross, h.across / (kReference * h.diagonal)) : kAcross;
   double low_scale = 0, high_scale = 1e4;
   for (int i = 0; i < 60; ++i) {
@@ -235,10 +235,9 @@ SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& h, boo
     return {{"constant", {{h.lower, srgb_of_oklch(0.6, 0.1, 200)}}, {{h.lower, 0.03}}},
             fmt::format("all values are {:g}", h.lower)};
   if (const auto m = image ? materials_of(h) : std::nullopt)
-    return {
-        of_materials(h, *m),
-        fmt::format("two materials, at {:.4g} and {:.4g}: the first clear, the second a veil, what is denser opaque",
-                    m->air, m->body)};
+    return {of_materials(h, *m),
+            fmt::format("two materials, at {:.4g} and {:.4g}: the first clear, the second a veil, denser values opaque",
+                        m->air, m->body)};
   bool background = false, signs = false;
   SuggestedTransferFunction found{of_range(h, background, signs), {}};
   found.why = fmt::format("the values from {:.4g} to {:.4g}{}{}, rare and steep ones more opaque", h.lower, h.upper,

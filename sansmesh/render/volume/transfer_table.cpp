@@ -27,16 +27,16 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   function.validate();
   auto [lower, upper] = function.range();
   if (!(upper > lower)) {
-    // Room for the one value, also where it is so large that 1 is nothing beside it.
+    // Widens a range of a single value, also if it is so large that 1 is below its resolution.
     const double half = std::abs(lower) < 0x1p50 ? 0.5 : 0x1p-20 * std::abs(lower);
     lower -= half, upper = lower + 2 * half;
   }
   lower_ = lower, scale_ = kBins / (upper - lower);
   std::vector<double> breaks;
   breaks.reserve(function.colors.size() + function.opacities.size() + kBins + 1);
-  for (const ColorPoint& p : function.colors) breaks.push_back(place(p.value));
+  for (const ColorPoint& p : function.colors) breaks.push_back(coordinate(p.value));
   if (!colors_only)
-    for (const OpacityPoint& p : function.opacities) breaks.push_back(place(p.value));
+    for (const OpacityPoint& p : function.opacities) breaks.push_back(coordinate(p.value));
   for (int b = 0; b <= kBins; ++b) breaks.push_back(b);
   std::sort(breaks.begin(), breaks.end());
 
@@ -46,7 +46,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
     const double a = breaks[i], b = breaks[i + 1], span = b - a;
     if (span > 0) {
-      // Within the piece: at its ends the function may jump.
+      // Inside the segment: the function may jump at its ends.
       const auto opacity = [&](double t) { return function.opacity(lower + (a + t * span) / scale_); };
       const double depth = span * (colors_only ? 1 : mean_depth(opacity(1e-6), opacity(1 - 1e-6)));
       const Vec3 color = light(0.5 * (a + b));
@@ -62,16 +62,16 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   below_ = outer(std::nextafter(lower, -std::numeric_limits<double>::infinity())), above_ = outer(upper);
 }
 
-TransferTable::Entry TransferTable::density(double place) const {
-  if (place < 0) return below_;
-  if (place >= kBins) return above_;
-  const auto bin = static_cast<std::size_t>(index_in<int>(place, 0, kBins - 1));
+TransferTable::Entry TransferTable::density(double coordinate) const {
+  if (coordinate < 0) return below_;
+  if (coordinate >= kBins) return above_;
+  const auto bin = static_cast<std::size_t>(index_in<int>(coordinate, 0, kBins - 1));
   const Entry &a = entries_[bin], &b = entries_[bin + 1];
   return {b.depth - a.depth, b.red - a.red, b.green - a.green, b.blue - a.blue};
 }
 
 bool TransferTable::clear(double a, double b) const {
-  const double first = place(a), last = place(b);
+  const double first = coordinate(a), last = coordinate(b);
   if (first < 0 && below_.depth > 0) return false;
   if (last > kBins && above_.depth > 0) return false;
   const auto bin = [](double p) { return index_in<std::size_t>(p, 0, kBins - 1); };

@@ -13,9 +13,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kEnough = 50;  // one point in so many inside is enough
-constexpr int kFiner = 2;            // times that the lattice gets twice as fine in each direction
+constexpr int kFiner = 2;            // number of times that the lattice is refined by two in each direction
 
-/// About so many points, in the middles of cubes that fill a box; flat boxes have one layer at least.
+/// About `points` centres of cubes that fill a box; flat boxes have at least one layer.
 std::vector<Vec3> lattice_points(const Box3& box, std::size_t points) {
   const Vec3 size = box.size();
   const double floor = 1e-3 * std::max({size.x, size.y, size.z});
@@ -38,8 +38,8 @@ struct FoundValues {
   std::vector<double> values, slopes;  // lengths of gradients
 };
 
-/// Length of rays through a box, of all that meet it, times 3/2, so that of a cube it is the edge: 6 times volume over
-/// surface (Cauchy: the mean is 4 times that).
+/// Mean length of rays through a box, times 3/2, so that for a cube it is the edge: 6 times volume over surface
+/// (Cauchy: the mean is 4 times that ratio).
 double length_across(const Box3& box) {
   const Vec3 size = box.size();
   const double floor = 1e-3 * std::max({size.x, size.y, size.z});
@@ -47,7 +47,7 @@ double length_across(const Box3& box) {
   return 3 * x * y * z / (x * y + y * z + z * x);
 }
 
-/// Adds those of the points in the volume, or of all.
+/// Adds the values at the points in the volume, or at all.
 void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, FoundValues& found) {
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
@@ -56,20 +56,20 @@ void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, Fou
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!all && !inside[i]) continue;
     found.values.push_back(values[i]);
-    found.slopes.push_back(long_norm(gradients[i]));
+    found.slopes.push_back(safe_norm(gradients[i]));
   }
 }
 
 }  // namespace
 
-std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most) {
+std::vector<Vec3> selected_points(std::span<const Vec3> samples, std::size_t most) {
   std::vector<Vec3> x;
-  const std::size_t count = std::min(places.size(), most);
+  const std::size_t count = std::min(samples.size(), most);
   x.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    // Evenly over the list: number i ⋅ size / count, without the product.
-    const std::size_t at = places.size() / count * i + places.size() % count * i / count;
-    if (is_finite(places[at])) x.push_back(places[at]);
+    // Evenly over the list: index i ⋅ size / count, without overflow of the product.
+    const std::size_t at = samples.size() / count * i + samples.size() % count * i / count;
+    if (is_finite(samples[at])) x.push_back(samples[at]);
   }
   return x;
 }
@@ -104,8 +104,8 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
   return h;
 }
 
-ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> places) {
-  if (field.components() != 1) throw ArgumentError("a histogram is of a field of one component");
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> samples) {
+  if (field.components() != 1) throw ArgumentError("a histogram needs a field of one component");
   const Box3 box = field.bounds();
   if (box.empty() || !(box.diagonal() > 0)) throw DataError("the volume has no extent");
   points = std::max<std::size_t>(points, 1);
@@ -113,7 +113,7 @@ ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std
   add_values(field, lattice_points(box, points), false, found);
   std::size_t inside = found.values.size();
   if (inside * kEnough < points) {
-    add_values(field, some_places(places, points), true, found);
+    add_values(field, selected_points(samples, points), true, found);
     for (int finer = 0; found.values.empty() && finer < kFiner; ++finer) {
       add_values(field, lattice_points(box, points *= 8), false, found);
       inside = found.values.size();

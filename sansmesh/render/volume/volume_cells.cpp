@@ -11,10 +11,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostCells = 48;            // along the longest side
-constexpr double kCellSpacings = 3;       // edge of a cell in spacings, about
+constexpr double kCellSpacings = 3;       // approximate edge of a cell in spacings
 constexpr int kMostPoints = 6;            // in each direction of a cell
 constexpr std::size_t kBudget = 3000000;  // points for ranges
-constexpr double kWider = 1.25;           // than what gradients at the points say
+constexpr double kWider = 1.25;           // safety factor of ranges from gradients
 
 }  // namespace
 
@@ -25,11 +25,11 @@ VolumeCells::VolumeCells(const VolumeField& field, const VolumeField* other, Pro
   Vec3 size = box_.size();
   const double longest = std::max({size.x, size.y, size.z});
   const Vec3 center = box_.center();
-  for (std::size_t k = 0; k < 3; ++k)  // flat boxes get some thickness
+  for (std::size_t k = 0; k < 3; ++k)  // gives flat boxes some thickness
     size[k] = std::max(size[k], 1e-4 * longest);
   box_ = {center - size * 0.5, center + size * 0.5};
 
-  // A first look at how fine the field is decides how many cells there are.
+  // A coarse sample of the spacing determines the number of cells.
   constexpr int kLook = 12;
   std::vector<Vec3> x;
   for (int k = 0; k < kLook; ++k)
@@ -48,7 +48,7 @@ VolumeCells::VolumeCells(const VolumeField& field, const VolumeField* other, Pro
   }
   const auto total = static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
                      static_cast<std::size_t>(counts_[2]);
-  // The finest of the middle and of the corners, drawn in a little.
+  // The least spacing at the centre and near the corners.
   x.clear();
   x.reserve(9 * total);
   for (std::size_t c = 0; c < total; ++c) {
@@ -93,7 +93,7 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
   ranges.assign(total, {-kInfinity, kInfinity});
   field.ranges(boxes, ranges);
 
-  // As many points as are needed to see every sample; cells that need more than they may have keep no ends.
+  // As many points as are needed to see every sample; cells that would need too many have infinite ranges.
   struct Job {
     std::size_t cell;
     int points;
@@ -136,7 +136,7 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
             kWider * 0.5 * (std::abs(g.x) * edge_.x + std::abs(g.y) * edge_.y + std::abs(g.z) * edge_.z) / n;
         r.least = std::min(r.least, values[at] - way), r.most = std::max(r.most, values[at] + way);
       }
-      // What the values do between the points, beyond their slopes.
+      // Variation between the points beyond the slopes.
       const double slack = 0.05 * (r.most - r.least);
       r.least -= slack, r.most += slack;
     }
@@ -159,8 +159,8 @@ double VolumeCells::exit(std::size_t cell, const Vec3& x, const Vec3& d, std::si
 }
 
 void detail::clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear) {
-  // The distance in the maximum norm from the nearest cell that is not clear: along one axis after the other, since a
-  // cube is a product. Along an axis it is the least of max(that so far, steps), and grows by at most one a step.
+  // The distance in the maximum norm from the nearest cell that is not clear, separably along each axis. Along an axis
+  // it is the least of max(previous distance, steps), and grows by at most one per step.
   const auto n = cells.counts();
   const auto nx = static_cast<std::size_t>(n[0]), ny = static_cast<std::size_t>(n[1]),
              nz = static_cast<std::size_t>(n[2]);
@@ -175,7 +175,7 @@ void detail::clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear
         std::uint8_t* const first = &clear[u * stride[a] + v * stride[b]];
         for (std::size_t i = 0; i < count[k]; ++i) line[i] = first[i * stride[k]];
         for (std::size_t i = 0; i < count[k]; ++i) {
-          // No farther than what was found is looked for anything nearer.
+          // The search is limited by the distance found so far.
           unsigned found = line[i];
           for (unsigned d = 1; d < found; ++d) {
             if (d <= i) found = std::min(found, std::max<unsigned>(d, line[i - d]));

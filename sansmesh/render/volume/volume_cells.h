@@ -1,4 +1,4 @@
-// A coarse grid over a volume: how fine the field is in each cell, and what its values lie between.
+// A coarse grid over a volume with the spacing and the value range of each cell.
 #pragma once
 
 #include <array>
@@ -14,20 +14,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Rays take the length of their steps from it, and leap over cells in which nothing is to be seen.
+/// Rays take their step length from it and skip clear cells.
 class VolumeCells {
  public:
-  /// Ranges are those that the field knows (VolumeField::ranges). Where it knows none they follow from values and
-  /// gradients at points about as far apart as the samples, widened by what the gradients make of the way between
-  /// them; cells for which that would take too many points have no ends. `field` has one component; `other` may be
-  /// null.
+  /// Ranges are those of VolumeField::ranges. If the field has none, they follow from values and gradients at points
+  /// about as far apart as the samples, extrapolated by the gradients between these points; cells that would need too
+  /// many points have infinite ranges. `field` has one component; `other` may be null.
   VolumeCells(const VolumeField& field, const VolumeField* other, Progress& progress);
 
   const Box3& box() const { return box_; }
   const std::array<int, 3>& counts() const { return counts_; }
   const Vec3& edge() const { return edge_; }
   std::size_t size() const { return spacing_.size(); }
-  /// The cell of a point (world coordinates); points beyond belong to the nearest cell.
+  /// The cell of a point (world coordinates); points outside belong to the nearest cell.
   std::size_t cell(const Vec3& x) const {
     std::size_t index = 0;
     for (std::size_t k = 3; k-- > 0;) {
@@ -47,8 +46,8 @@ class VolumeCells {
     }
     return x;
   }
-  /// Where a line x + t d that is in a cell leaves it (t in lengths of d), or so many cells around it in each
-  /// direction, too.
+  /// Parameter t at which a line x + t d inside a cell leaves it, or leaves the block that has `around` more cells in
+  /// each direction.
   double exit(std::size_t cell, const Vec3& x, const Vec3& d, std::size_t around = 0) const;
   double spacing(std::size_t cell) const { return static_cast<double>(spacing_[cell]); }
   const ValueRange& range(std::size_t cell) const { return ranges_[cell]; }
@@ -66,8 +65,8 @@ class VolumeCells {
 };
 
 namespace detail {
-/// In place of 1 for each clear cell: one more than how many cells around it in each direction are clear, too, at most
-/// 255. Cells beyond the outermost count as clear.
+/// Replaces 1 for each clear cell by one more than the number of clear layers around it, at most 255. Cells beyond the
+/// grid count as clear.
 void clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear);
 }  // namespace detail
 

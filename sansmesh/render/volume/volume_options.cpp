@@ -55,7 +55,7 @@ std::optional<Vec3> direction_of(std::string_view text) {
 }
 
 /// One of the presets; an empty name is none.
-struct PresetWords {
+struct PresetOption {
   static constexpr auto kind = OptionKind::choice;
   static OptionValue get(const std::string& name) {
     const auto known = transfer_function_presets();
@@ -67,7 +67,7 @@ struct PresetWords {
   }
 };
 
-struct CutWords {
+struct CutOption {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<VolumeCut>& cuts) {
     std::vector<std::string> words;
@@ -117,7 +117,7 @@ IsoSurface iso_surface_of(const std::string& text) {
 
 VolumeCut volume_cut_of(const std::string& text) {
   const auto fail = [&] {
-    throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (what is taken away), not '" +
+    throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (the removed part), not '" +
                         printable(text, 60) + "'");
   };
   VolumeCut cut;
@@ -148,7 +148,7 @@ const OptionSchema& VolumePictureOptions::schema() {
   using O = VolumePictureOptions;
   static const OptionRow rows[] = {
       option_group<&O::picture>(RenderOptions::schema().rows),
-      option<&O::preset, PresetWords>(
+      option<&O::preset, PresetOption>(
           {.text = "Colours and opacities: ct-bone, ct-soft-tissue, mr, flow, diverging, gray",
            .unit = "name",
            .from_data = "from the values' histogram",
@@ -160,16 +160,15 @@ const OptionSchema& VolumePictureOptions::schema() {
       option<&O::isos>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
                         .name = "iso"}),
-      option<&O::clips, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
-                                   .unit = "place",
-                                   .name = "clip",
-                                   .old_name = "cut"}),
-      option<&O::clip_faces>(
-          {.text = "Faces of what `clip` takes away stay as clear as what is behind them", .old_name = "no_cut_faces"}),
-      option<&O::shading>({.text = "Colours as the transfer function has them, without light"}),
-      option<&O::color_title>(
-          {.text = "Of the colour bar: what is shown", .from_data = "the array's name", .name = "label"}),
-      option<&O::title>({.text = "Above the picture"})};
+      option<&O::clips, CutOption>(
+          {.text = "Removes a half-space or slab: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
+           .unit = "place",
+           .name = "clip",
+           .old_name = "cut"}),
+      option<&O::clip_faces>({.text = "Faces of `clip` do not show their values", .old_name = "no_cut_faces"}),
+      option<&O::shading>({.text = "Plain colours of the transfer function, without light"}),
+      option<&O::color_title>({.text = "Title of the colour bar", .from_data = "the array's name", .name = "label"}),
+      option<&O::title>({.text = "Title above the picture"})};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -181,7 +180,7 @@ void VolumePictureOptions::validate() const {
   if (!preset.empty()) {
     const auto known = transfer_function_presets();
     if (std::find(known.begin(), known.end(), preset) == known.end())
-      transfer_function_preset(preset, ValueHistogram{});  // throws with the list of those known
+      transfer_function_preset(preset, ValueHistogram{});  // throws with the list of known presets
   }
   check_range("opacity_factor", opacity_factor, 0, 1000);
   check_range("step", step, 0.05, 4);

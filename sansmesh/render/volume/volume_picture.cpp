@@ -9,18 +9,19 @@
 #include <mutex>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/render/annotate/picture_notes.h"
 #include "sansmesh/render/scene/color_space.h"
 #include "sansmesh/render/scene/lighting.h"
 #include "sansmesh/render/scene/painter.h"
-#include "sansmesh/render/scene/sample_pattern.h"
+#include "sansmesh/render/scene/pixel.h"
 #include "sansmesh/render/volume/baked_volume.h"
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
 #include "sansmesh/render/volume/volume_cells.h"
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 #include "sansmesh/render/volume/volume_tracer.h"
 
 namespace sansmesh::inline v1 {
@@ -29,12 +30,13 @@ namespace {
 using LightMap = PixelMap<std::array<float, 4>>;
 
 constexpr int kVolumeTile = 32;
-constexpr std::size_t kFineRays = 1024;  // that are traced together where pixels take several
-constexpr float kContrast = 0.035f;      // between neighbours, from which on they do; about what the eye sees
-constexpr int kCheckEvery = 16;          // pixels in each direction of which one is checked
+constexpr std::size_t kFineRays = 1024;  // rays per batch for pixels with several rays
+constexpr float kContrast =
+    0.035f;  // least difference of neighbours for several rays per pixel; about the threshold of the eye
+constexpr int kCheckEvery = 16;  // one pixel is checked per square of this side
 constexpr std::size_t kHistogramPoints = 60000;
 
-/// Order of the pixels of a tile in which neighbours are near each other: blocks of 4 × 4.
+/// Order of the pixels of a tile with locality: blocks of 4 × 4.
 std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int bottom) {
   std::vector<std::pair<int, int>> pixels;
   for (int y = top; y < bottom; y += 4)
@@ -44,14 +46,14 @@ std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int b
   return pixels;
 }
 
-/// The ray through a place in pixels.
+/// Adds the ray through a point in pixels.
 void add_ray(CameraRays& rays, const VolumePictureOptions& options, float x, float y) {
   rays.add(2 * x / static_cast<float>(options.picture.view.width) - 1,
            1 - 2 * y / static_cast<float>(options.picture.view.height));
 }
 
-/// With the box that is shown as cuts, of a volume that has this box: where both end at the same place, or the volume
-/// before, there is nothing to cut.
+/// Adds the visible box as cuts to the options of a volume with bounds `box`; faces that coincide with these bounds
+/// need no cut.
 VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box) {
   if (!options.picture.view.clip_box) return options;
   const double same = 1e-6 * box.diagonal();
@@ -66,7 +68,7 @@ VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box)
   return options;
 }
 
-/// About as the eye sees it, on a background of middling light.
+/// Approximate perceived colour on a background of medium lightness.
 Vec3f seen(const std::array<float, 4>& p) {
   const auto root = [&](float c) { return std::sqrt(std::max(0.0f, c + 0.6f * p[3])); };
   return {root(p[0]), root(p[1]), root(p[2])};
@@ -76,10 +78,10 @@ float difference(const Vec3f& a, const Vec3f& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
-/// What stands behind the volume: a picture of its own.
+/// The background behind the volume as a picture.
 Image behind(const VolumePictureOptions& options) {
   Image image(options.picture.view.width, options.picture.view.height, Rgba{0, 0, 0, 0});
-  if (options.picture.look.behind().kind == Background::Kind::transparent) return image;
+  if (options.picture.look.effective_background().kind == Background::Kind::transparent) return image;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.picture.view.width);
@@ -90,7 +92,7 @@ Image behind(const VolumePictureOptions& options) {
   return image;
 }
 
-/// Light and what it leaves of what is behind it, as a colour with straight alpha.
+/// Light over a background, as a colour with straight alpha.
 Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
   const Vec3f light = Vec3f{p[0], p[1], p[2]} + linear_color({back[0], back[1], back[2]}) * (p[3] * back[3]);
   const float alpha = 1 - p[3] * (1 - back[3]);
@@ -106,7 +108,7 @@ class VolumePicture::Work {
       : subject_(std::move(subject)),
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
-        stretches_(*subject_.field, subject_.boundary, frame_) {}
+        intervals_(*subject_.field, subject_.boundary, frame_) {}
 
   Camera camera(const VolumePictureOptions& options) const { return picture_camera(outline_, frame_, options.picture); }
 
@@ -128,7 +130,7 @@ class VolumePicture::Work {
     const SuggestedTransferFunction chosen = transfer(options);
     std::vector<std::unique_ptr<PictureScene>> scenes;
     TracedVolume volume = traced();
-    for (const PictureSurface& surface : subject_.surfaces) {
+    for (const SceneFactory& surface : subject_.surfaces) {
       scenes.push_back(surface(frame_, camera));
       volume.surfaces.push_back(scenes.back().get());
     }
@@ -155,10 +157,10 @@ class VolumePicture::Work {
     return map;
   }
 
-  void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
+  void set_surfaces(std::vector<SceneFactory> surfaces) { subject_.surfaces = std::move(surfaces); }
   const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
-  /// Looked for when it is first asked for: where colours are given, nobody does.
+  /// Computed on first use: not needed if colours are given.
   const ValueHistogram& histogram() const {
     std::call_once(histogram_once_, [&] { histogram_ = histogram_of(*subject_.field); });
     return histogram_;
@@ -172,7 +174,7 @@ class VolumePicture::Work {
 
   ValueHistogram histogram_of(const VolumeField& field) const {
     const TriangleMesh* mesh = subject_.boundary;
-    if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
+    if (!subject_.samples.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.samples);
     std::vector<Vec3> vertices;
     vertices.reserve(mesh->vertices.size());
     for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
@@ -184,14 +186,14 @@ class VolumePicture::Work {
     for (const IsoSurface& iso : options.isos)
       if (iso.value < histogram().least || iso.value > histogram().most)
         found.push_back(
-            fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
+            fmt::format("the iso-surface of {:g} may be empty: values found in the volume are between {:g} and {:g}",
                         iso.value, histogram().least, histogram().most));
     for (const bool opacity : {false, true}) {
       const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
       if (!baked || baked->report().finished) continue;
       found.push_back(fmt::format(
-          "the baked field{} is coarser than asked for: off by {:.3g} % of its range on average, {:.3g} % "
-          "at most at the points looked at",
+          "the baked field{} is coarser than requested: its error is {:.3g} % of its range on average, {:.3g} % at "
+          "most at the tested points",
           opacity ? " of the opacities" : "", 100 * baked->report().error_mean, 100 * baked->report().error_most));
     }
     return found;
@@ -201,15 +203,15 @@ class VolumePicture::Work {
     TracedVolume volume;
     volume.field = subject_.field, volume.opacity = subject_.opacity, volume.gap = subject_.gap;
     volume.bounded = subject_.boundary && !subject_.boundary->triangles.empty();
-    volume.stretches = &stretches_, volume.cells = &cells_, volume.frame = frame_;
+    volume.intervals = &intervals_, volume.cells = &cells_, volume.frame = frame_;
     return volume;
   }
 
-  /// Checks what came in, and finds what frames the picture.
+  /// Checks the subject and returns the frame of the picture.
   PictureFrame framed() {
     if (!subject_.field) throw ArgumentError("a picture needs a field");
     if (subject_.field->components() != 1 || (subject_.opacity && subject_.opacity->components() != 1))
-      throw ArgumentError("pictures are made of fields of one component: take a component, or the length");
+      throw ArgumentError("pictures need a field of one component: choose a component, or the length");
     Box3& box = box_;
     const TriangleMesh* mesh = subject_.boundary;
     if (mesh && !mesh->triangles.empty()) {
@@ -226,9 +228,7 @@ class VolumePicture::Work {
     if (mesh && !mesh->triangles.empty()) {
       for (const Vec3f& p : mesh->vertices) outline_.push_back(frame.to_picture(mesh->origin + Vec3(p)));
     } else {
-      for (int c = 0; c < 8; ++c)
-        outline_.push_back(frame.to_picture(
-            {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z}));
+      for (int c = 0; c < 8; ++c) outline_.push_back(frame.to_picture(box_corner(box, c)));
     }
     return frame;
   }
@@ -258,7 +258,7 @@ class VolumePicture::Work {
     progress.finish();
   }
 
-  /// Several rays where a pixel differs from a neighbour: there its one ray may tell half of what is to be seen.
+  /// Traces several rays where a pixel differs from a neighbour: its single ray may miss half of the content.
   void fine(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
             Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
     PixelMap<std::uint8_t> wanted(map.width, map.height, 0);
@@ -323,7 +323,7 @@ class VolumePicture::Work {
     tracer.trace(going.rays(), lights);
     double sum = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
-      // On white, as it would be shown.
+      // On white, as displayed.
       const auto shown = [](float r, float g, float b, float left) {
         return srgb_color(Vec3f{std::min(1.0f, r + left), std::min(1.0f, g + left), std::min(1.0f, b + left)});
       };
@@ -336,11 +336,11 @@ class VolumePicture::Work {
   }
 
   VolumeSubject subject_;
-  Box3 box_;                    // of the boundary
-  std::vector<Vec3f> outline_;  // that frames the picture
+  Box3 box_;                    // box of the boundary
+  std::vector<Vec3f> outline_;  // points that frame the picture
   PictureFrame frame_;
   VolumeCells cells_;
-  VolumeStretches stretches_;
+  VolumeIntervals intervals_;
   mutable std::once_flag histogram_once_, opacity_once_;
   mutable ValueHistogram histogram_, opacity_histogram_;
 };
@@ -352,7 +352,7 @@ VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
 }
 VolumePicture::~VolumePicture() = default;
 
-void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
+void VolumePicture::set_surfaces(std::vector<SceneFactory> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
 TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {
@@ -376,16 +376,13 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   Image image = behind(options);
   const bool axes = options.axes;
   if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
-  const bool dither = options.picture.look.behind().kind == Background::Kind::gradient;
+  const bool dither = options.picture.look.effective_background().kind == Background::Kind::gradient;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = map.at(x, y);
       Rgba& color = image.at(x, y);
       if (p[3] < 1) color = in_front(p, color);
-      if (!dither || p[3] == 0) continue;
-      // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
-      const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-      for (float& v : color) v = from_byte(to_byte(v, threshold));
+      if (dither && p[3] > 0) color = dithered(color, x, y);
     }
   if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
   if (options.picture.annotation.scale_bar)
@@ -400,7 +397,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
     const auto [lower, upper] = own.transfer.range();
     const bool below = work_->histogram().least<lower, above = work_->histogram().most> upper;
     const BarEnds ends{below, above};
-    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper, ends);
+    image = with_color_bar(image, own.transfer, options.color_title, marks, &paper, ends);
   }
   if (report) *report = own;
   return image;
@@ -420,11 +417,11 @@ constexpr ReportRow kVolumePictureReportRows[] = {
         {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
         {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const VolumePictureReport& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
-    reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
-    reported<&VolumePictureReport::notes>({.text = "What may not be as wished"})};
+    reported<&VolumePictureReport::evaluations>({.text = "Evaluations of the field"}),
+    reported<&VolumePictureReport::notes>({.text = "Remarks on the result"})};
 
 }  // namespace
 

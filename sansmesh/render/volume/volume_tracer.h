@@ -1,39 +1,37 @@
-// Light along rays through a volume: emission and absorption from front to back, many rays at a time.
+// Emission and absorption along rays through a volume, front to back, for many rays together.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "sansmesh/render/scene/camera.h"
-#include "sansmesh/render/scene/lighting.h"
 #include "sansmesh/render/scene/picture_scene.h"
-#include "sansmesh/render/volume/transfer_table.h"
+#include "sansmesh/render/volume/traced_walk.h"
 #include "sansmesh/render/volume/volume_cells.h"
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
+#include "sansmesh/render/volume/volume_light.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
-/// Light that comes along a ray (linear, without what is behind), and the share of what is behind that comes through.
+/// Linear light along a ray without the background, and the transmitted share of the light from behind.
 struct TracedLight {
   Vec3f light;
   float left = 1;
   friend bool operator==(const TracedLight&, const TracedLight&) = default;
 };
 
-/// What tracing looks at. All of it must outlive the tracer.
+/// Scene of a tracer. All of it must outlive the tracer.
 struct TracedVolume {
-  const VolumeField* field = nullptr;    ///< one component: colours, iso-surfaces, and opacities unless
-  const VolumeField* opacity = nullptr;  ///< there is one for them
-  const ScalarField* gap = nullptr;      ///< above 0 where nothing is; may be null
-  bool bounded = false;                  ///< the stretches end at the boundary; else the field is asked what is inside
-  const VolumeStretches* stretches = nullptr;
+  const VolumeField* field = nullptr;    ///< one component: colours, iso-surfaces, and opacities without `opacity`
+  const VolumeField* opacity = nullptr;  ///< opacities; may be null
+  const ScalarField* gap = nullptr;      ///< positive in empty gaps; may be null
+  bool bounded = false;                  ///< the intervals end at the boundary; otherwise the field's `inside` decides
+  const VolumeIntervals* intervals = nullptr;
   const VolumeCells* cells = nullptr;
   std::vector<const PictureScene*> surfaces;  ///< in the picture's coordinates
   PictureFrame frame;
@@ -44,51 +42,33 @@ class VolumeTracer {
   VolumeTracer(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
                const VolumePictureOptions& options);
 
-  /// Light along each of the rays of the camera (whose near and far do not count); as many answers. What a ray finds
-  /// does not depend on the others: neighbours in neighbouring slots, some hundreds at a time, go fastest. Returns the
-  /// number of places at which the field was evaluated. Safe from several threads.
+  /// Light along each of the camera's rays (near and far are ignored). The result of a ray does not depend on the
+  /// others. Fastest with some hundreds of neighbouring rays per call. Returns the number of field evaluations.
+  /// Thread-safe.
   std::size_t trace(const EyeRays& rays, std::span<TracedLight> lights) const;
 
  private:
-  struct Sample;
-  struct Walk;
-  struct Root;
+  using TracedWalk = detail::TracedWalk;
+  using TracedSample = detail::TracedSample;
+  using IsoRoot = detail::IsoRoot;
   struct Layer;
   struct Scratch;
 
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
-  bool next_stretch(Walk& walk, const Scratch& scratch) const;
-  bool next_place(Walk& walk, const Scratch& scratch) const;
-  double footprint(double t) const;  ///< of a pixel at distance t
+  bool next_interval(TracedWalk& walk, const Scratch& scratch) const;
+  bool next_place(TracedWalk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
-  bool too_far(const Walk& walk, const Sample& now) const;
+  bool too_far(const TracedWalk& walk, const TracedSample& now) const;
   std::size_t evaluate(Scratch& scratch) const;
-  std::size_t find_roots(Scratch& scratch) const;
-  void shade(const Walk& walk, Sample& sample, bool surface) const;
-  void go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> roots) const;
-  void absorb(Walk& walk, const Sample& a, const Sample& b, double from, double to) const;
-  void lay(Walk& walk, const Vec3f& light, double opacity) const;
-  void cut_face(Walk& walk, const Sample& sample) const;
-  bool may_pass_face(const Walk& walk, const Sample& now) const;
-  std::size_t find_faces(Scratch& scratch) const;
-  void gap_face(Walk& walk, const Sample& sample) const;
-  Vec3 world(const Walk& walk, double t) const;
+  void take_step(TracedWalk& walk, TracedSample& now, std::span<IsoRoot> roots) const;
 
   TracedVolume volume_;
-  bool parallel_ = false;  // rays
-  Lighting lighting_;
-  TransferFunction transfer_;
-  TransferTable colors_;  // with extinctions; or colours alone where opacities are of another array
-  TransferTable depths_;
+  detail::TracedFrame frame_;
+  detail::VolumeLight light_;
   const VolumePictureOptions& options_;
   bool separate_ = false;
-  double extinction_ = 0;                     // per picture length, of extinction 1 in reference lengths
-  double value_range_ = 0, other_range_ = 0;  // of the transfer function
-  double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
-  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
-  std::optional<double> least_shown_;  // of values on faces of gaps, where only iso-surfaces are seen
-  std::vector<std::uint8_t> clear_;    // of each cell: 0, or 1 + so many around it in each direction are clear, too
-  std::vector<Vec3f> iso_colors_;
+  double value_range_ = 0, other_range_ = 0;  // ranges of the transfer function
+  std::vector<std::uint8_t> clear_;           // per cell: 0, or 1 + the number of clear layers around it
 };
 
 }  // namespace sansmesh::inline v1

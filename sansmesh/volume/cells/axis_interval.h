@@ -1,4 +1,4 @@
-// Where a coordinate lies on an axis.
+// Locates a coordinate on an axis.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// The number of the interval between ascending knots (two or more) that holds x: knots belong to the one above them.
-/// Beyond the ends, and at what is no number, the first or last one. `uniform`: knots have equal distances, to
+/// Index of the interval between ascending knots (two or more) that contains x; a knot belongs to the interval above
+/// it. Values beyond the ends, and NaN, give the first or last interval. `uniform`: knots are equidistant up to
 /// rounding.
 inline std::size_t interval_of(std::span<const double> knots, bool uniform, double x) {
   const std::size_t last = knots.size() - 2;

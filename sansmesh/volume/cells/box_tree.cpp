@@ -63,7 +63,7 @@ Box3f outward(const Box3& box, const Vec3& origin, double scale) {
           {rounded_up(b.x), rounded_up(b.y), rounded_up(b.z)}};
 }
 
-/// Orders items so that runs of `chunk`, which become the children of nodes, are compact, and the same within each run.
+/// Orders items so that runs of `chunk`, the future children of nodes, are compact, recursively within each run.
 void order_items(std::span<TreeItem> items, std::size_t chunk) {
   while (chunk > 1 && items.size() <= chunk) chunk /= kTreeWidth;
   if (items.size() <= 1) return;

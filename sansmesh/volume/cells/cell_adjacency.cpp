@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/group_rows.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Rows from a list for each that `fill(row, list)` makes (ascending, each entry once), in parallel.
+/// Builds rows in parallel; `fill(row, list)` makes the list of one row (ascending, without duplicates).
 template <class Fill>
 Adjacency rows_of(std::size_t rows, const Fill& fill) {
   constexpr std::size_t kChunk = 16384;
@@ -28,7 +30,7 @@ Adjacency rows_of(std::size_t rows, const Fill& fill) {
       parts[c].insert(parts[c].end(), row.begin(), row.end());
     }
   });
-  for (std::size_t r = 0; r < rows; ++r) result.first[r + 1] += result.first[r];
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
   result.entries.reserve(result.first.back());
   for (auto& part : parts) {
     result.entries.insert(result.entries.end(), part.begin(), part.end());
@@ -51,28 +53,17 @@ bool same_corners(std::span<const std::uint32_t> a, const CellFace& f, std::span
 }  // namespace
 
 Adjacency cells_of_points(const CellList& cells, std::size_t points) {
-  Adjacency result;
-  result.first.assign(points + 1, 0);
-  for (const std::uint32_t p : cells.corners) ++result.first[p + 1];
-  for (std::size_t p = 0; p < points; ++p) result.first[p + 1] += result.first[p];
-  result.entries.resize(cells.corners.size());
-  std::vector<std::uint64_t> next(result.first.begin(), result.first.end() - 1);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const std::uint32_t p : cells[c]) result.entries[next[p]++] = static_cast<std::uint32_t>(c);
-  return result;
+  return group_rows(points, [&](const auto& visit) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (const std::uint32_t p : cells[c]) visit(p, c);
+  });
 }
 
 Adjacency cells_of_samples(const SampledVolume& volume) {
   if (volume.cell_sample.empty()) return cells_of_points(volume.cells, volume.size());
-  Adjacency result;
-  result.first.assign(volume.size() + 1, 0);
-  for (const std::uint32_t sample : volume.cell_sample) ++result.first[sample + 1];
-  for (std::size_t i = 0; i < volume.size(); ++i) result.first[i + 1] += result.first[i];
-  result.entries.resize(result.first.back());
-  std::vector<std::uint64_t> at(result.first.begin(), result.first.end() - 1);
-  for (std::size_t c = 0; c < volume.cell_sample.size(); ++c)
-    result.entries[at[volume.cell_sample[c]]++] = static_cast<std::uint32_t>(c);
-  return result;
+  return group_rows(volume.size(), [&](const auto& visit) {
+    for (std::size_t c = 0; c < volume.cell_sample.size(); ++c) visit(volume.cell_sample[c], c);
+  });
 }
 
 Adjacency edge_neighbours(const CellList& cells, std::size_t points) {
@@ -103,7 +94,7 @@ std::vector<std::uint32_t> face_neighbours(const CellList& cells, std::size_t po
       for (const std::uint32_t other : incidence[rare]) {
         if (other == c) continue;
         const auto theirs = cells[other];
-        // Most neighbours of a corner are dismissed by the corner across the face.
+        // The corner across the face dismisses most neighbours of a corner.
         const std::uint32_t across = corners[faces[f].corner[2]];
         if (std::find(theirs.begin(), theirs.end(), across) == theirs.end()) continue;
         const auto their_faces = cell_faces(cells.shapes[other]);
@@ -119,6 +110,23 @@ std::vector<std::uint32_t> face_neighbours(const CellList& cells, std::size_t po
   return found;
 }
 
+std::vector<std::uint32_t> open_faces(const CellList& cells, std::size_t points) {
+  const std::vector<std::uint32_t> across = face_neighbours(cells, points);
+  std::vector<std::uint32_t> slots;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (std::size_t f = 0; f < cell_faces(cells.shapes[c]).size(); ++f)
+      if (across[kMostFaces * c + f] == kNoCell) slots.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
+  return slots;
+}
+
+FaceRing ring_of_face(const CellList& cells, std::uint32_t slot) {
+  const std::size_t cell = slot / kMostFaces;
+  const CellFace& face = cell_faces(cells.shapes[cell])[slot % kMostFaces];
+  FaceRing ring;
+  for (; ring.count < face.count; ++ring.count) ring.points[ring.count] = cells[cell][face.corner[ring.count]];
+  return ring;
+}
+
 Adjacency symmetric_links(std::span<const std::uint64_t> links, std::size_t rows) {
   std::vector<std::uint64_t> both;
   both.reserve(2 * links.size());
@@ -129,15 +137,9 @@ Adjacency symmetric_links(std::span<const std::uint64_t> links, std::size_t rows
   }
   parallel_sort(both);
   both.erase(std::unique(both.begin(), both.end()), both.end());
-  Adjacency result;
-  result.first.assign(rows + 1, 0);
-  result.entries.reserve(both.size());
-  for (const std::uint64_t link : both) {
-    ++result.first[(link >> 32) + 1];
-    result.entries.push_back(static_cast<std::uint32_t>(link));
-  }
-  for (std::size_t r = 0; r < rows; ++r) result.first[r + 1] += result.first[r];
-  return result;
+  return group_rows(rows, [&](const auto& visit) {
+    for (const std::uint64_t link : both) visit(link >> 32, link & 0xffffffffu);
+  });
 }
 
 Adjacency united(const Adjacency& a, const Adjacency& b) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_geometry.h"
 
@@ -63,7 +63,7 @@ std::uint32_t FaceNeighbours::beyond(std::size_t cell, std::size_t face, double 
   for (std::size_t k = 0; k < 4; ++k) x[k] = finder_.corner(cell, f.corner[std::min<std::size_t>(k, f.count - 1)]);
   const Vec3 place = x[0] + ((x[1] - x[0]) * (1 - s) + (x[2] - x[3]) * s) * r + (x[3] - x[0]) * s;
   const Vec3 normal = normalized(cross(x[2] - x[0], x[3] - x[1]));
-  // A tenth of the way from the middle of the cell to the face, straight out.
+  // A tenth of the way from the cell centre to the face, beyond the face along its normal.
   const double half = dot(normal, (x[0] + x[1] + x[2] + x[3]) / 4 - finder_.middle(cell));
   return finder_.smallest(
       place + normal * (0.1 * std::abs(half)), [cell](std::uint32_t other) { return other != cell; }, scratch);
@@ -75,25 +75,21 @@ void for_each_partial_neighbour(const FaceNeighbours& faces,
     std::uint32_t cell, corner, other;
   };
   const CellList& cells = faces.finder().cells();
-  constexpr std::size_t kChunk = 1024;
-  std::vector<std::vector<Found>> found((cells.size() + kChunk - 1) / kChunk);
-  parallel_for(0, found.size(), 1, [&](std::size_t chunk) {
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<Found>& found) {
     std::vector<std::uint32_t> scratch;
-    for (std::size_t c = chunk * kChunk; c < std::min(cells.size(), (chunk + 1) * kChunk); ++c) {
+    for (std::size_t c = first; c < last; ++c) {
       const auto of_cell = cell_faces(cells.shapes[c]);
       for (std::size_t f = 0; f < of_cell.size(); ++f) {
         if (faces.equal(c, f) != kNoCell) continue;
         constexpr double kPlaces[4][2] = {{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
         for (std::size_t k = 0; k < of_cell[f].count; ++k) {
           const std::uint32_t other = faces.beyond(c, f, kPlaces[k][0], kPlaces[k][1], scratch);
-          if (other != kNoCell)
-            found[chunk].push_back({static_cast<std::uint32_t>(c), cells[c][of_cell[f].corner[k]], other});
+          if (other != kNoCell) found.push_back({static_cast<std::uint32_t>(c), cells[c][of_cell[f].corner[k]], other});
         }
       }
     }
-  });
-  for (const auto& chunk : found)
-    for (const Found& at : chunk) visit(at.cell, at.corner, at.other);
+  };
+  for (const Found& at : parallel_collect<Found>(cells.size(), 1024, collect)) visit(at.cell, at.corner, at.other);
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Cells at a place, of lists of cells that are not a volume yet or whose neighbours are asked for.
+// Point location and face neighbours in lists of cells.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Keeps views: the cells and their points must outlive it. Asked from any thread.
+/// Keeps views: the cells and their points must outlive it. Safe from any thread.
 class CellFinder {
  public:
   CellFinder(const CellList& cells, std::span<const Vec3> points);
 
-  /// The smallest (by volume, then number) of the cells that hold x within them and are accepted; kNoCell if there is
-  /// none. `scratch` is the caller's.
+  /// The smallest accepted cell (by volume, then index) that contains x; kNoCell if there is none. `scratch` belongs to
+  /// the caller.
   std::uint32_t smallest(const Vec3& x, const std::function<bool(std::uint32_t)>& accept,
                          std::vector<std::uint32_t>& scratch) const;
 
@@ -36,16 +36,16 @@ class CellFinder {
   BoxTree tree_;
 };
 
-/// What lies on the other side of faces without an equal one.
+/// Neighbours across faces, including faces that do not match.
 class FaceNeighbours {
  public:
   /// As CellFinder.
   FaceNeighbours(const CellList& cells, std::span<const Vec3> points);
 
-  /// The cell across a face, if both have the same corners there; else kNoCell.
+  /// The cell across a face if both have the same corners there; else kNoCell.
   std::uint32_t equal(std::size_t cell, std::size_t face) const { return equal_[6 * cell + face]; }
-  /// The smallest other cell just beyond the place (r, s) in [0, 1]² of a face, as if it were a bilinear patch (of a
-  /// triangle: whose last two corners are one); kNoCell if there is none. For faces that have no equal one.
+  /// The smallest other cell just beyond the point (r, s) in [0, 1]² of a face as a bilinear patch (of a triangle: with
+  /// the last two corners equal); kNoCell if there is none. For faces without a matching cell.
   std::uint32_t beyond(std::size_t cell, std::size_t face, double r, double s,
                        std::vector<std::uint32_t>& scratch) const;
   const CellFinder& finder() const { return finder_; }
@@ -55,9 +55,9 @@ class FaceNeighbours {
   std::vector<std::uint32_t> equal_;
 };
 
-/// Links between cells that share part of a face, and are not equal there: across levels and borders of blocks.
-/// visit(cell, corner of the cell's face that it is nearest to, other cell) is called for some places of all faces that
-/// have no equal one, in order, on the calling thread.
+/// Links between cells that share only part of a face: across levels and block borders. Calls visit(cell, nearest
+/// corner of the cell's face, other cell) for some points of all faces without a matching cell, in order, on the
+/// calling thread.
 void for_each_partial_neighbour(const FaceNeighbours& faces,
                                 const std::function<void(std::uint32_t, std::uint32_t, std::uint32_t)>& visit);
 

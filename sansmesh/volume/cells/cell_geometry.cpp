@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A cell as a hexahedron some of whose corners coincide: whose corner stands at each of the eight.
+/// A cell as a hexahedron with coincident corners: the cell corner at each of the eight.
 std::span<const std::uint8_t, 8> cube_corners(CellShape shape) {
   static constexpr std::uint8_t kCube[4][8] = {
       {0, 1, 2, 2, 3, 3, 3, 3}, {0, 1, 2, 3, 4, 4, 4, 4}, {0, 1, 2, 2, 3, 4, 5, 5}, {0, 1, 2, 3, 4, 5, 6, 7}};
@@ -30,8 +30,7 @@ void cube_derivatives(const Vec3& u, std::span<Vec3, 8> d) {
   d[6] = {s * t, r * t, r * s}, d[7] = {-s * t, p * t, p * s};
 }
 
-/// Descent in the cube [0, 1]³ towards the least squared distance, with steps of Levenberg and Marquardt in the
-/// parameters that are not held at a side of the cube.
+/// Levenberg–Marquardt minimisation of the squared distance in the cube [0, 1]³; parameters at active bounds are fixed.
 double descend(std::span<const Vec3, 8> x, Vec3& u) {
   std::array<double, 8> w;
   std::array<Vec3, 8> d;
@@ -64,7 +63,7 @@ double descend(std::span<const Vec3, 8> x, Vec3& u) {
       for (std::size_t k = 0; k < 3; ++k) {
         Vec3& column = k == 0 ? m.a : k == 1 ? m.b : m.c;
         for (std::size_t l = 0; l < 3; ++l) column[l] = free[k] && free[l] ? h[k][l] : 0;
-        // Relative to each parameter's own size, so that thin cells move across as easily as along.
+        // Relative to the size of each parameter, so that thin cells are crossed as fast as traversed lengthwise.
         column[k] = free[k] ? h[k][k] * (1 + damping) + 1e-30 * largest : 1;
         right[k] = free[k] ? -g[k] : 0;
       }
@@ -90,8 +89,8 @@ double descend(std::span<const Vec3, 8> x, Vec3& u) {
   return best;
 }
 
-/// Newton's method from u: through the curved valleys of thin, warped cells, which descent follows in small steps only.
-/// Moves u to a place of the cube at the origin, if that is found.
+/// Newton's method from u: it follows the curved valleys of thin, warped cells, where descent takes small steps. Moves
+/// u to a point of the cube that maps to the origin, if found.
 void polish(std::span<const Vec3, 8> x, Vec3& u, double& distance) {
   std::array<double, 8> w;
   std::array<Vec3, 8> d;
@@ -151,22 +150,26 @@ bool CellMap::invert(Vec3& u) const {
     u = Matrix3{a_[1], a_[2], a_[3]}.solve(-a_[0]);
     return is_finite(u);
   }
-  constexpr double kFar = 1;  // beyond the cube: no place of the cell is reached from there
   u = shape_ == CellShape::wedge ? Vec3{1.0 / 3, 1.0 / 3, 0.5} : Vec3{0.5, 0.5, 0.5};
+  return newton({}, u);
+}
+
+bool CellMap::newton(const Vec3& x, Vec3& u) const {
+  constexpr double kFar = 1;  // beyond the cube: convergence into the cell is excluded
   int far = 0;
+  if (!is_finite(u)) return false;
   for (int step = 0; step < 16; ++step) {
-    const auto d = derivatives(u);
-    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(at(u));
-    if (!is_finite(move)) return false;
-    u -= move;
-    const double most = std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)});
-    if (most < 1e-7) return true;  // errors are squared in each step
     bool out = false;
     for (std::size_t k = 0; k < 3; ++k) {
       if (u[k] < -kFar || u[k] > 1 + kFar) out = true;
       u[k] = std::clamp(u[k], -kFar, 1 + kFar);
     }
     if (out && ++far == 3) return false;
+    const auto d = derivatives(u);
+    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(at(u) - x);
+    if (!is_finite(move)) return false;
+    u -= move;
+    if (std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)}) < 1e-7) return true;  // errors are squared
   }
   return false;
 }
@@ -177,7 +180,7 @@ bool is_folded(CellShape shape, std::span<const Vec3> corners) {
   for (int c = 0; c < 8; ++c) {
     Vec3 u{static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)};
     if (shape == CellShape::wedge && c % 4 == 3) continue;
-    if (shape == CellShape::pyramid) u.z *= 0.5;  // at the tip there is no volume
+    if (shape == CellShape::pyramid) u.z *= 0.5;  // the tip has no volume
     const auto d = map.derivatives(u);
     // VTK's wedges are left-handed.
     const double volume = dot(d[0], cross(d[1], d[2])) * (shape == CellShape::wedge ? -1 : 1);
@@ -282,8 +285,8 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
   const auto cube = cube_corners(shape);
   std::array<Vec3, 8> x;
   for (std::size_t c = 0; c < 8; ++c) x[c] = corners[cube[c]];
-  // From 27 places spread over the cell: Newton's method from all, as some may lead to places that are not in the cell,
-  // and descent from the two best.
+  // From 27 starting points in the cell: Newton's method from all, since some converge outside the cell, and descent
+  // from the two best.
   struct Start {
     double distance = std::numeric_limits<double>::max();
     Vec3 u;
@@ -318,7 +321,7 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
 
 double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights) {
   const Vec3 &a = ring[0], &b = ring[1], &c = ring[2], &d = ring[ring.size() - 1];
-  const std::array<Vec3, 8> x{a, b, c, d, a, b, c, d};  // flat: t does not matter
+  const std::array<Vec3, 8> x{a, b, c, d, a, b, c, d};  // flat: independent of t
   std::array<double, 8> w;
   double least = std::numeric_limits<double>::max();
   Vec3 u;
@@ -339,8 +342,8 @@ double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights) {
 
 double cell_volume(CellShape shape, std::span<const Vec3> x) {
   if (shape == CellShape::tetrahedron) return tetrahedron_volume(x[0], x[1], x[2], x[3]);
-  // Cones from corner 0 over the faces; over four corners the mean of both ways to cut them, which is exact for
-  // bilinear faces.
+  // Cones from corner 0 over the faces. Quadrilaterals use the mean of both subdivisions, which is exact for bilinear
+  // faces.
   double sum = 0;
   for (const CellFace& face : cell_faces(shape)) {
     const Vec3 &a = x[face.corner[0]], &b = x[face.corner[1]], &c = x[face.corner[2]];

@@ -1,4 +1,4 @@
-// The four shapes of cells as maps of a cube: places in them, and back.
+// Shape functions, parameters and inverse maps of the four cell shapes.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// A cell as the map X(u) = Σ_k a_k m_k(u) with the monomials m = 1, r, s, t, rs, st, rt, rst of u = (r, s, t). The
-/// parameters of hexahedra and pyramids lie in the unit cube, those of wedges in the prism r, s ≥ 0, r + s ≤ 1, 0 ≤ t ≤
-/// 1, those of tetrahedra in the simplex r, s, t ≥ 0, r + s + t ≤ 1: the shape functions are VTK's.
+/// A cell as the map X(u) = Σ_k a_k m_k(u) with the monomials m = 1, r, s, t, rs, st, rt, rst of u = (r, s, t).
+/// Parameter domains: the unit cube for hexahedra and pyramids, the prism r, s ≥ 0, r + s ≤ 1, 0 ≤ t ≤ 1 for wedges,
+/// the simplex r, s, t ≥ 0, r + s + t ≤ 1 for tetrahedra. The shape functions are VTK's.
 class CellMap {
  public:
   CellMap() = default;
-  /// `corners` relative to where the map is asked: what is nearby keeps all its digits.
+  /// `corners` relative to the query point, so that nearby cells keep full precision.
   CellMap(CellShape shape, std::span<const Vec3> corners);
 
   Vec3 at(const Vec3& u) const {
@@ -28,11 +28,13 @@ class CellMap {
   /// ∂X/∂r, ∂X/∂s, ∂X/∂t.
   std::array<Vec3, 3> derivatives(const Vec3& u) const;
 
-  /// u with X(u) = 0 by Newton's method from the middle; false where that does not converge, or only far outside of the
+  /// Solves X(u) = 0 by Newton's method from the centre; false if it does not converge, or converges far outside the
   /// cell.
   bool invert(Vec3& u) const;
+  /// Solves X(u) = x by Newton's method from u; false as invert().
+  bool newton(const Vec3& x, Vec3& u) const;
 
-  /// The coefficients of what is not linear.
+  /// The coefficients of the nonlinear terms.
   struct Curvature {
     Vec3 rs, st, rt, rst;
   };
@@ -43,32 +45,32 @@ class CellMap {
   std::array<Vec3, 8> a_;
 };
 
-/// Whether the map turns inside out somewhere in the cell, as far as its corners tell: then a place may have several
-/// parameters, and Newton's method may find those that are not in the cell.
+/// Whether the map is inverted somewhere in the cell, judged at its corners: then a point may have several parameters,
+/// and Newton's method may converge to parameters outside the cell.
 bool is_folded(CellShape shape, std::span<const Vec3> corners);
 
-/// The nearest parameters that belong to the cell.
+/// The nearest parameters in the cell.
 Vec3 clamped_parameters(CellShape shape, const Vec3& u);
-/// Whether u lies in the cell, by more than `margin`.
+/// Whether u is inside the cell by more than `margin`.
 bool parameters_within(CellShape shape, const Vec3& u, double margin);
 
-/// Values of the shape functions at u, one a corner.
+/// Values of the shape functions at u, one per corner.
 void shape_functions(CellShape shape, const Vec3& u, std::span<double> weights);
-/// Their derivatives by r, s and t.
+/// Derivatives of the shape functions by r, s and t.
 void shape_derivatives(CellShape shape, const Vec3& u, std::span<Vec3> derivatives);
-/// Parameters of a place from its weights.
+/// Parameters of the point with these weights.
 Vec3 parameters_of(CellShape shape, std::span<const double> weights);
 
-/// The place of a cell that is nearest to the origin, by descent from several starts: slow, and right for cells of all
-/// kinds, also folded ones. Returns its squared distance.
+/// The point of a cell nearest to the origin, by descent from several starts: slow, but correct for all cells,
+/// including folded ones. Returns its squared distance.
 double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span<double> weights);
 
 /// The same on a face, a ring of three or four corners (a bilinear patch).
 double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights);
 
-/// Signed: negative where the cell is inside out.
+/// Signed volume: negative if the cell is inverted.
 double cell_volume(CellShape shape, std::span<const Vec3> corners);
-/// The squared lengths of the shortest and of the longest edge.
+/// The squared lengths of the shortest and the longest edge.
 struct EdgeRange {
   double shortest, longest;
 };

@@ -1,15 +1,13 @@
 #include "sansmesh/volume/cells/cell_inverse.h"
 
-#include "sansmesh/core/matrix3.h"
-
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Parameters that differ from those of the linear part by less than this (as far as bounds tell) need one correction
-/// by it: errors shrink by that factor.
+/// Deviation from the linear part below which one correction by it suffices: each correction reduces errors by this
+/// factor.
 constexpr double kNearlyLinear = 1e-9;
-/// And by less than this none, unless edges are so oblique (length over that along the direction across the others)
-/// that it would gain digits.
+/// Deviation below which no correction is needed, unless edges are so oblique (length over the component perpendicular
+/// to the others) that it would gain digits.
 constexpr double kLinear = 1e-15, kUpright = 10;
 
 CellMap map_about_first(CellShape shape, std::span<const Vec3> corners) {
@@ -33,7 +31,7 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
   const Vec3 half = c.rst * 0.5, rs = c.rs + half, tt = c.st + half, rt = c.rt + half;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& row = rows_[k];
-    // X(v + 1/2) = centre + J v + what is not linear, |v_k| <= 1/2.
+    // X(v + 1/2) = centre + J v + nonlinear part, |v_k| <= 1/2.
     curved_[k] =
         0.25 * (std::abs(dot(row, rs)) + std::abs(dot(row, tt)) + std::abs(dot(row, rt)) + std::abs(dot(row, half)));
     reach_[k] = norm(row);
@@ -44,28 +42,8 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
   linear_ = shape == CellShape::tetrahedron || (curved < kLinear && upright);
 }
 
-bool CellInverse::newton(const Vec3& x, Vec3& u) const {
-  constexpr double kFar = 1;  // beyond the cube: no place of the cell is reached from there
-  int far = 0;
-  if (!is_finite(u)) return false;
-  for (int step = 0; step < 16; ++step) {
-    bool out = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (u[k] < -kFar || u[k] > 1 + kFar) out = true;
-      u[k] = std::clamp(u[k], -kFar, 1 + kFar);
-    }
-    if (out && ++far == 3) return false;
-    const auto d = map_.derivatives(u);
-    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(map_.at(u) - x);
-    if (!is_finite(move)) return false;
-    u -= move;
-    if (std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)}) < 1e-7) return true;  // errors are squared
-  }
-  return false;
-}
-
 bool CellInverse::may_reach(const Vec3& x, double distance) const {
-  if (shape_ == CellShape::tetrahedron || !solvable_) return true;  // invert() is as quick
+  if (shape_ == CellShape::tetrahedron || !solvable_) return true;  // invert() is as fast
   const Vec3 u = by_rows(x - center_);
   for (std::size_t k = 0; k < 3; ++k)
     if (std::abs(u[k]) > 0.5 + 1e-9 + curved_[k] + distance * reach_[k]) return false;

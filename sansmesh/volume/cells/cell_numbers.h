@@ -1,4 +1,4 @@
-// The cells of any volume, lattices too, one by one.
+// Enumerates the cells of any volume, lattices included.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/cells/volume_locator.h"
 
 namespace sansmesh::inline v1 {
@@ -17,7 +18,7 @@ inline std::size_t cell_count(const SampledVolume& volume) {
   return count;
 }
 
-/// The number of the k-th cell, k < cell_count(): of lattices as in VolumePlace.
+/// The index of the k-th cell, k < cell_count(); for lattices as in VolumePlace.
 inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
   if (!volume.lattice) return k;
   const auto& axes = volume.lattice->axes;
@@ -25,16 +26,13 @@ inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
   return k % (nx - 1) + nx * (k / (nx - 1) % (ny - 1) + ny * (k / ((nx - 1) * (ny - 1))));
 }
 
-/// A cell and its corners, at no place in it.
+/// A cell with its corners, without a point in it.
 inline VolumePlace place_of_cell(const SampledVolume& volume, std::size_t cell) {
   VolumePlace place;
   place.cell = static_cast<std::uint32_t>(cell);
   if (volume.lattice) {
-    const auto along = static_cast<std::uint32_t>(volume.lattice->axes[0].size());
-    const auto across = along * static_cast<std::uint32_t>(volume.lattice->axes[1].size());
-    const std::uint32_t ring[] = {0, 1, along + 1, along};
     place.corner_count = 8;
-    for (std::size_t v = 0; v < 8; ++v) place.corners[v] = place.cell + ring[v % 4] + (v < 4 ? 0 : across);
+    place.corners = corners_of_lattice_cell(*volume.lattice, cell);
     return place;
   }
   const auto corners = volume.cells[cell];

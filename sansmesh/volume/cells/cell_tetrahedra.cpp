@@ -61,7 +61,7 @@ TetrahedralVolume tetrahedra_of(const std::shared_ptr<const SampledVolume>& volu
       const double longest = std::max({squared_norm(x), squared_norm(y), squared_norm(z), squared_norm(y - x),
                                        squared_norm(z - x), squared_norm(z - y)});
       if (!(std::abs(six) > kFlatTetrahedron * longest * std::sqrt(longest))) continue;
-      if (six < 0) std::swap(t[0], t[1]);  // of a cell that is badly warped
+      if (six < 0) std::swap(t[0], t[1]);  // in a badly warped cell
       cut->cells.add(CellShape::tetrahedron, t);
       result.cell_of.push_back(static_cast<std::uint32_t>(c));
     }

@@ -30,7 +30,6 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
     vertices_.clear(), loops_.clear(), faces_.clear();
     return true;
   }
-  constexpr std::uint32_t kGone = 0xffffffffu;
   std::swap(vertices_, old_vertices_), std::swap(loops_, old_loops_), std::swap(faces_, old_faces_);
   vertices_.clear(), loops_.clear(), faces_.clear(), segments_.clear(), cut_edges_.clear();
   renamed_.assign(old_vertices_.size(), kGone);
@@ -39,45 +38,57 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
       renamed_[v] = static_cast<std::uint32_t>(vertices_.size());
       vertices_.push_back(old_vertices_[v]);
     }
-  const auto crossing = [&](std::uint32_t a, std::uint32_t b) {  // the same vertex for both faces of the edge
-    if (a > b) std::swap(a, b);
-    const std::uint64_t key = std::uint64_t{a} << 32 | b;
-    for (const CutEdge& e : cut_edges_)
-      if (e.key == key) return e.vertex;
-    const double t = side_[a] / (side_[a] - side_[b]);
-    const auto vertex = static_cast<std::uint32_t>(vertices_.size());
-    vertices_.push_back(old_vertices_[a] + (old_vertices_[b] - old_vertices_[a]) * t);
-    cut_edges_.push_back({key, vertex});
-    return vertex;
-  };
-  for (const Face& face : old_faces_) {
-    const auto begin = static_cast<std::uint32_t>(loops_.size());
-    const std::uint32_t* const ring = old_loops_.data() + face.begin;
-    std::uint32_t leaving = kGone, pending = kGone;  // where the ring left, and first came back without having left
-    for (std::uint32_t k = 0; k < face.count; ++k) {
-      const std::uint32_t a = ring[k], b = ring[k + 1 < face.count ? k + 1 : 0];
-      const bool a_in = renamed_[a] != kGone, b_in = renamed_[b] != kGone;
-      if (a_in) loops_.push_back(renamed_[a]);
-      if (a_in == b_in) continue;
-      const std::uint32_t v = crossing(a, b);
-      loops_.push_back(v);
-      if (a_in) {
-        leaving = v;
-      } else if (leaving != kGone) {
-        segments_.push_back({leaving, v});
-        leaving = kGone;
-      } else {
-        pending = v;
-      }
+  for (const Face& face : old_faces_) cut_face(face);
+  close_cut(label);
+  return true;
+}
+
+std::uint32_t ConvexCell::crossing(std::uint32_t a, std::uint32_t b) {
+  if (a > b) std::swap(a, b);
+  const std::uint64_t key = std::uint64_t{a} << 32 | b;
+  for (const CutEdge& e : cut_edges_)
+    if (e.key == key) return e.vertex;
+  const double t = side_[a] / (side_[a] - side_[b]);
+  const auto vertex = static_cast<std::uint32_t>(vertices_.size());
+  vertices_.push_back(old_vertices_[a] + (old_vertices_[b] - old_vertices_[a]) * t);
+  cut_edges_.push_back({key, vertex});
+  return vertex;
+}
+
+void ConvexCell::add_face(std::uint32_t label, std::uint32_t begin) {
+  const auto count = static_cast<std::uint32_t>(loops_.size()) - begin;
+  if (count >= 3)
+    faces_.push_back({label, begin, count});
+  else
+    loops_.resize(begin);
+}
+
+void ConvexCell::cut_face(const Face& face) {
+  const auto begin = static_cast<std::uint32_t>(loops_.size());
+  const std::uint32_t* const ring = old_loops_.data() + face.begin;
+  // Vertices where the ring leaves the half-space, and where it first returned without having left.
+  std::uint32_t leaving = kGone, pending = kGone;
+  for (std::uint32_t k = 0; k < face.count; ++k) {
+    const std::uint32_t a = ring[k], b = ring[k + 1 < face.count ? k + 1 : 0];
+    const bool a_in = renamed_[a] != kGone, b_in = renamed_[b] != kGone;
+    if (a_in) loops_.push_back(renamed_[a]);
+    if (a_in == b_in) continue;
+    const std::uint32_t v = crossing(a, b);
+    loops_.push_back(v);
+    if (a_in) {
+      leaving = v;
+    } else if (leaving != kGone) {
+      segments_.push_back({leaving, v});
+      leaving = kGone;
+    } else {
+      pending = v;
     }
-    if (leaving != kGone && pending != kGone) segments_.push_back({leaving, pending});
-    const auto count = static_cast<std::uint32_t>(loops_.size()) - begin;
-    if (count >= 3)
-      faces_.push_back({face.label, begin, count});
-    else
-      loops_.resize(begin);
   }
-  // The new face runs against the edges that it shares with the others. Rounding may leave several rings.
+  if (leaving != kGone && pending != kGone) segments_.push_back({leaving, pending});
+  add_face(face.label, begin);
+}
+
+void ConvexCell::close_cut(std::uint32_t label) {
   while (!segments_.empty()) {
     const auto begin = static_cast<std::uint32_t>(loops_.size());
     const std::uint32_t start = segments_.back().to;
@@ -92,13 +103,8 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
       *next = segments_.back();
       segments_.pop_back();
     }
-    const auto count = static_cast<std::uint32_t>(loops_.size()) - begin;
-    if (count >= 3)
-      faces_.push_back({label, begin, count});
-    else
-      loops_.resize(begin);
+    add_face(label, begin);
   }
-  return true;
 }
 
 double ConvexCell::volume() const {

@@ -6,8 +6,8 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kMeanValueFlat = 1e-7;   ///< |det| of unit vectors from where on x lies in a triangle's plane
-constexpr double kMeanValueClose = 1e-5;  ///< the same, from where on its derivatives lose too many digits
+constexpr double kMeanValueFlat = 1e-7;   ///< |det| of unit vectors below which x is in a triangle's plane
+constexpr double kMeanValueClose = 1e-5;  ///< the same, below which its derivatives lose too many digits
 constexpr std::size_t kMostCorners = 8;
 
 /// A number and its gradient.
@@ -57,7 +57,7 @@ void offset_from(const Vec3& p, const Vec3& x, Triple<Dual>& out) {
   out = {Dual(p.x - x.x, {-1, 0, 0}), Dual(p.y - x.y, {0, -1, 0}), Dual(p.z - x.z, {0, 0, -1})};
 }
 
-/// Barycentric coordinates on a triangle of the point of its plane that is nearest to x.
+/// Barycentric coordinates on a triangle of the projection of x to its plane.
 std::array<double, 3> triangle_weights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) {
   const Vec3 n = cross(b - a, c - a);
   const double over = 1 / squared_norm(n);
@@ -65,9 +65,9 @@ std::array<double, 3> triangle_weights(const Vec3& a, const Vec3& b, const Vec3&
   return {1 - wb - wc, wb, wc};
 }
 
-/// The vector integral of directions over the spherical triangle that a triangle covers, seen from x, is a sum of its
-/// corners' directions u_i: Σ μ_i u_i, and over all triangles it vanishes. So the weights are Σ μ_i / ‖p_i − x‖.
-/// Returns the least |det(u_1, u_2, u_3)|; `on` becomes the number of the triangle that x lies on, if any.
+/// The vector integral of directions over the spherical projection of a triangle seen from x is a sum over its corners'
+/// directions u_i: Σ μ_i u_i. Over all triangles it vanishes, so the weights are Σ μ_i / ‖p_i − x‖. Returns the
+/// smallest |det(u_1, u_2, u_3)|; `on` receives the index of the triangle that contains x, if any.
 template <class T>
 double sum_triangles(std::span<const Vec3> corners, std::span<const std::array<std::uint8_t, 3>> triangles,
                      const Vec3& x, std::span<T> weights, std::size_t& on) {
@@ -89,7 +89,7 @@ double sum_triangles(std::span<const Vec3> corners, std::span<const std::array<s
     if (!(std::abs(value_of(det)) > kMeanValueFlat)) {
       const auto w = triangle_weights(corners[i], corners[j], corners[k], x);
       if (std::min({w[0], w[1], w[2]}) >= -1e-9) on = t;
-      continue;  // from beside, a triangle covers nothing
+      continue;  // edge-on, the projection is empty
     }
     const std::array<std::size_t, 3> a{j, k, i}, b{k, i, j};
     Triple<T> m{T(0), T(0), T(0)};

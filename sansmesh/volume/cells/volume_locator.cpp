@@ -12,16 +12,17 @@
 #include "sansmesh/volume/cells/axis_interval.h"
 #include "sansmesh/volume/cells/box_tree.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
+#include "sansmesh/volume/cells/cell_cache.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/cells/cell_geometry.h"
 #include "sansmesh/volume/cells/cell_inverse.h"
-#include "sansmesh/volume/cells/familiar_cells.h"
 #include "sansmesh/volume/grid/point_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
-constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
+constexpr double kStrict = 1e-10;  // in parameters: closer points are on the face
 
 void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
   const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
@@ -35,11 +36,7 @@ void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, Volume
     const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
     u[k] = (c - from) / (to - from);
   }
-  const std::size_t nx = l.axes[0].size(), nxy = nx * l.axes[1].size();
-  const std::size_t first = cell[0] + nx * cell[1] + nxy * cell[2];
-  const std::size_t corner[8] = {first,       first + 1,       first + 1 + nx,       first + nx,
-                                 first + nxy, first + nxy + 1, first + nxy + 1 + nx, first + nxy + nx};
-  for (std::size_t c = 0; c < 8; ++c) place.corners[c] = static_cast<std::uint32_t>(corner[c]);
+  place.corners = corners_of_lattice_cell(l, cell[0] + l.axes[0].size() * (cell[1] + l.axes[1].size() * cell[2]));
   place.cell = place.corners[0];
   place.corner_count = 8;
   shape_functions(CellShape::hexahedron, u, place.weights);
@@ -51,10 +48,10 @@ struct VolumeLocator::State {
   const SampledVolume& volume;
   double tolerance;
   BoxTree cells;
-  std::vector<std::uint8_t> folded;  ///< of each cell; empty if none is
-  std::unique_ptr<FamiliarCells> familiar;
+  std::vector<std::uint8_t> folded;  ///< per cell; empty if no cell is folded
+  std::unique_ptr<CellCache> cache;
 
-  /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
+  /// Faces without a cell on the other side, for points outside: computed on first use.
   struct Border {
     std::vector<std::uint32_t> faces;  ///< kMostFaces · cell + face
     BoxTree tree;
@@ -77,7 +74,7 @@ struct VolumeLocator::State {
       folded[c] = is_folded(volume.cells.shapes[c], std::span(corners).first(count));
     });
     if (std::find(folded.begin(), folded.end(), 1) == folded.end()) folded = {};
-    familiar = std::make_unique<FamiliarCells>(volume, cells, folded);
+    cache = std::make_unique<CellCache>(volume, cells, folded);
   }
 
   Box3 widened(Box3 box) const {
@@ -93,25 +90,18 @@ struct VolumeLocator::State {
 
   void make_border() const {
     const std::size_t points = volume.corners.empty() ? volume.positions.size() : volume.corners.size();
-    const auto neighbours = face_neighbours(volume.cells, points);
-    for (std::size_t c = 0; c < volume.cells.size(); ++c)
-      for (std::size_t f = 0; f < cell_faces(volume.cells.shapes[c]).size(); ++f)
-        if (neighbours[kMostFaces * c + f] == kNoCell)
-          border.faces.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
+    border.faces = open_faces(volume.cells, points);
     border.tree = BoxTree(border.faces.size(), [this](std::size_t i) {
       Box3 box;
-      std::array<Vec3, 4> ring;
-      const std::size_t count = ring_of(border.faces[i], {}, ring);
-      for (std::size_t k = 0; k < count; ++k) box.extend(ring[k]);
+      for (const std::uint32_t p : ring_of_face(volume.cells, border.faces[i])) box.extend(volume.corner(p));
       return box;
     });
   }
 
   std::size_t ring_of(std::uint32_t id, const Vec3& x, std::array<Vec3, 4>& ring) const {
-    const std::size_t cell = id / kMostFaces;
-    const CellFace& face = cell_faces(volume.cells.shapes[cell])[id % kMostFaces];
-    for (std::size_t k = 0; k < face.count; ++k) ring[k] = volume.corner(volume.cells[cell][face.corner[k]]) - x;
-    return face.count;
+    const FaceRing points = ring_of_face(volume.cells, id);
+    for (std::size_t k = 0; k < points.count; ++k) ring[k] = volume.corner(points.points[k]) - x;
+    return points.count;
   }
 
   void set(VolumePlace& place, std::uint32_t cell) const {
@@ -121,7 +111,7 @@ struct VolumeLocator::State {
     std::copy(points.begin(), points.end(), place.corners.begin());
   }
 
-  /// The place on the faces without a neighbour that is nearest to x.
+  /// The nearest point to x on the faces without a neighbour.
   void locate_outside(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     if (locate_next_to(x, place, candidates)) return;
     std::call_once(border_made, [this] { make_border(); });
@@ -133,7 +123,7 @@ struct VolumeLocator::State {
       return d;
     };
     const std::uint32_t nearest = border.tree.nearest(x, distance, std::numeric_limits<double>::infinity());
-    if (nearest == BoxTree::kNone) {  // no border: a volume that closes on itself, or distances that overflow
+    if (nearest == BoxTree::kNone) {  // no border (a volume that closes on itself), or distances that overflow
       set(place, 0);
       place.weights[0] = 1;
       return;
@@ -148,8 +138,8 @@ struct VolumeLocator::State {
     for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
   }
 
-  /// Most points outside lie just beyond a face: ends of rays, where these enter and leave. Then the place of a cell at
-  /// nearly the same parameters will do, and nothing has to be searched.
+  /// Most points outside are just beyond a face, at ends of rays. The point of a cell at nearly the same parameters
+  /// suffices for them, without a search.
   bool locate_next_to(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     const double near = kBeside * tolerance;
     const Vec3 slack{near, near, near};
@@ -174,7 +164,7 @@ struct VolumeLocator::State {
     return true;
   }
 
-  /// `start` is a cell nearby, or none, and becomes the cell that was found.
+  /// `start` is a cell nearby, or none, and receives the cell found.
   void locate(const Vec3& x, VolumePlace& place, std::uint32_t& start, std::vector<std::uint32_t>& candidates) const {
     if (!is_finite(x)) {
       place.inside = false;
@@ -184,7 +174,7 @@ struct VolumeLocator::State {
       return;
     }
     Vec3 u;
-    if (const std::uint32_t cell = familiar->find(x, start, kStrict, u); cell != kNoCell) {
+    if (const std::uint32_t cell = cache->find(x, start, kStrict, u); cell != kNoCell) {
       place.inside = true;
       set(place, cell);
       shape_functions(volume.cells.shapes[cell], u, place.weights);
@@ -194,14 +184,14 @@ struct VolumeLocator::State {
     place.inside = false;
     place.weights.fill(0);
     search(x, place, candidates);
-    if (place.inside) familiar->count(place.cell);
+    if (place.inside) cache->count(place.cell);
     start = place.cell;
   }
 
   void search(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     cells.containing(x, candidates);
     std::array<Vec3, 8> corners;
-    // Held by a cell's inside, where the smallest counts, or only by its faces, where the first does.
+    // Inside a cell, where the smallest counts, or only on cell faces, where the first counts.
     std::uint32_t within = kNoCell, touched = kNoCell;
     double smallest = -1;
     Vec3 within_at, touched_at;
@@ -245,7 +235,7 @@ struct VolumeLocator::State {
       shape_functions(volume.cells.shapes[place.cell], within != kNoCell ? within_at : touched_at, place.weights);
       return;
     }
-    if (failed) {  // folded or nearly flat cells, in which Newton's method goes astray
+    if (failed) {  // folded or nearly flat cells, for which Newton's method diverges
       double nearest = tolerance * tolerance;
       for (const std::uint32_t cell : candidates) {
         std::array<double, 8> weights;
@@ -274,7 +264,7 @@ void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> place
 void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places,
                            std::span<std::uint32_t> starts) const {
   if (x.size() != places.size() || (starts.size() > 1 && starts.size() != x.size()))
-    throw ArgumentError("VolumeLocator: as many places as points are needed");
+    throw ArgumentError("VolumeLocator: the numbers of places and points differ");
   const State& state = *state_;
   if (state.volume.lattice) {
     parallel_for(0, x.size(), 1024,
@@ -318,10 +308,10 @@ Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const V
 void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
                      std::span<Vec3, 8> gradients) {
   std::fill(gradients.begin(), gradients.end(), Vec3{});
-  const CellShape shape = volume.lattice ? CellShape::hexahedron : volume.cells.shapes[place.cell];
+  const CellShape shape = shape_of_cell(volume, place.cell);
   const std::size_t count = place.corner_count;
   Vec3 u = parameters_of(shape, place.weights);
-  // The tip of a pyramid is singular; just below it all is well.
+  // The tip of a pyramid is singular; points just below it are regular.
   if (shape == CellShape::pyramid) u.z = std::min(u.z, 1 - 1e-6);
   std::array<Vec3, 8> by_parameter;
   shape_derivatives(shape, u, by_parameter);

@@ -23,7 +23,8 @@
 #include "sansmesh/volume/grid/gather_points.h"
 #include "sansmesh/volume/grid/gathered_cells.h"
 #include "sansmesh/volume/grid/grid_blocks.h"
-#include "sansmesh/volume/grid/mended_cells.h"
+#include "sansmesh/volume/grid/repaired_cells.h"
+#include "sansmesh/volume/grid/volume_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -32,8 +33,8 @@ bool any_set(const std::vector<std::uint8_t>& flags) {
   return std::any_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f != 0; });
 }
 
-/// Coordinates that are nothing beside the extent become 0: slopes over such lengths do not fit into the floats that
-/// coefficients are kept in.
+/// Rounds coordinates that are negligible relative to the extent to 0: slopes over such lengths would overflow the
+/// float coefficients.
 void round_off(std::vector<Vec3>& points) {
   constexpr double kNothing = 1e-30;
   Box3 box;
@@ -46,7 +47,7 @@ void round_off(std::vector<Vec3>& points) {
       if (p[k] != 0 && std::abs(p[k]) < least) p[k] = 0;
 }
 
-/// Steps that differ by no more than coordinates in float are rounded.
+/// Tolerates the rounding of float coordinates.
 bool is_uniform(const std::vector<double>& axis) {
   const double step = (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1);
   const double largest = std::max(std::abs(axis.front()), std::abs(axis.back()));
@@ -64,7 +65,7 @@ void set_spacings(VolumeFacts& facts, std::vector<double> steps) {
   facts.median_spacing = median(steps);
 }
 
-/// A single block of values on a lattice all of whose points are there.
+/// A single lattice block with values and without missing points.
 bool stays_lattice(const GridData& data) {
   if (data.blocks.size() != 1) return false;
   const GridBlock& b = data.blocks[0];
@@ -93,7 +94,7 @@ SampledVolume lattice_volume(const GridBlock& block, bool in_cells) {
     for (std::size_t i = 1; i < axis.size(); ++i) of_axis.push_back(axis[i] - axis[i - 1]);
   }
   const double typical = median(of_axis);
-  std::array<std::size_t, 3> copies{1, 1, 1};  // of the only layer that there is
+  std::array<std::size_t, 3> copies{1, 1, 1};  // repetitions of a single layer
   std::array<std::size_t, 3> rows{};
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<double> axis = block.axes[k];
@@ -155,7 +156,7 @@ std::string grid_in_words(const GridData& data, const VolumeFacts& facts) {
   return fmt::format("{} {}{} blocks", data.blocks.size(), facts.overlapped > 0 ? "overlapping " : "", words);
 }
 
-/// What arrays of one name in several tables become.
+/// Common type of arrays of one name in several tables.
 struct CommonArray {
   std::size_t components = 1;
   NumberType type = NumberType::f64;
@@ -166,8 +167,8 @@ AttributeValues numbers_as(const Attribute& a) {
   return std::visit([](const auto& v) -> AttributeValues { return std::vector<T>(v.begin(), v.end()); }, a.values);
 }
 
-/// The number of components that most rows have (of several the largest one), and a type that holds all numbers of
-/// these: where rows are unknown, a real one, which has a number for that.
+/// The number of components of most rows (among several the largest), and a type that holds all numbers of these: a
+/// real type if rows are unknown, for NaN.
 CommonArray common_array(const std::string& name, std::span<const AttributeTable* const> tables,
                          std::span<const std::size_t> rows) {
   std::map<std::size_t, std::size_t> rows_of_width;
@@ -198,7 +199,7 @@ CommonArray common_array(const std::string& name, std::span<const AttributeTable
   return common;
 }
 
-/// As join_rows, but no numbers are lost where blocks have an array with different types.
+/// Like join_rows, but without loss of precision if blocks have an array with different types.
 AttributeTable join_unlike(std::vector<const AttributeTable*> tables, std::span<const std::size_t> rows) {
   std::set<std::string> names;
   for (const AttributeTable* const table : tables)
@@ -227,7 +228,7 @@ AttributeTable join_unlike(std::vector<const AttributeTable*> tables, std::span<
   return join_rows(tables, rows);
 }
 
-/// The arrays of some rows of all blocks: `blocks` (empty: the first) and `rows` of each wanted one.
+/// The arrays of selected rows of all blocks: `blocks` (empty: the first) and `rows` of each.
 AttributeTable rows_of_blocks(const GridData& data, const std::vector<std::size_t>& order, bool of_cells,
                               std::span<const std::uint16_t> blocks, std::span<const std::uint32_t> rows) {
   const auto table = [&](std::size_t b) -> const AttributeTable& {
@@ -252,7 +253,7 @@ AttributeTable rows_of_blocks(const GridData& data, const std::vector<std::size_
   return joined.taken(taken);
 }
 
-/// Numbers the points that cells have as corners from 0 on, as they come; kUnused for the others.
+/// Numbers the points used as cell corners from 0, in order of use; kUnused for the others.
 constexpr std::uint32_t kUnused = 0xffffffffu;
 std::vector<std::uint32_t> used_points(const CellList& cells, std::size_t points, std::size_t& count) {
   std::vector<std::uint32_t> number(points, kUnused);
@@ -288,7 +289,7 @@ void set_cell_facts(SampledVolume& volume) {
   set_spacings(volume.facts, std::move(steps));
 }
 
-/// Takes out the cells whose place finer ones of other blocks take. Keeps `source` of each cell in step.
+/// Removes the cells covered by finer cells of other blocks. Keeps `source` of each cell in step.
 void remove_overlapped(GatheredCells& gathered, std::vector<std::uint32_t>& source, VolumeFacts& facts) {
   if (gathered.cell_block.empty()) return;
   std::vector<std::uint16_t> block(gathered.cells.size());
@@ -312,7 +313,7 @@ void remove_overlapped(GatheredCells& gathered, std::vector<std::uint32_t>& sour
   facts.overlapped = gathered.centers.empty() ? before - after : lost;
 }
 
-/// Samples at corners of cells.
+/// Samples at cell corners.
 void set_point_samples(const GridData& data, const std::vector<std::size_t>& order, GatheredCells& gathered,
                        const std::vector<std::uint32_t>& first_there, SampledVolume& volume) {
   const std::size_t points = gathered.points.size();
@@ -342,7 +343,7 @@ void set_point_samples(const GridData& data, const std::vector<std::size_t>& ord
   for (std::uint32_t& p : volume.cells.corners) p = number[p];
   volume.stars = edge_neighbours(volume.cells, count);
   if (volume.block.empty()) return;
-  // Across borders where blocks do not fit: a sample there and the corners of the cell beyond.
+  // Links across non-conforming block borders: a sample there and the corners of the cell beyond.
   const FaceNeighbours faces(volume.cells, volume.positions);
   std::vector<std::uint64_t> links;
   for_each_partial_neighbour(faces, [&](std::uint32_t cell, std::uint32_t corner, std::uint32_t other) {
@@ -354,7 +355,7 @@ void set_point_samples(const GridData& data, const std::vector<std::size_t>& ord
   if (!links.empty()) volume.stars = united(volume.stars, symmetric_links(links, count));
 }
 
-/// Samples in cells; `source` of each cell, empty if they are numbered as they were.
+/// Cell data as samples; `source`: previous index of each cell, empty if unchanged.
 void set_cell_samples(const GridData& data, const std::vector<std::size_t>& order, GatheredCells& gathered,
                       const std::vector<std::uint32_t>& source, SampledVolume& volume) {
   std::size_t count = 0;
@@ -364,7 +365,7 @@ void set_cell_samples(const GridData& data, const std::vector<std::size_t>& orde
     if (number[p] != kUnused) volume.corners[number[p]] = gathered.points[p];
   volume.cells = std::move(gathered.cells);
   for (std::uint32_t& p : volume.cells.corners) p = number[p];
-  // Pieces of one cell, which follow each other, share its sample.
+  // The pieces of one cell are consecutive and share its sample.
   std::vector<std::uint32_t> rows;
   std::vector<std::uint16_t> blocks;
   volume.cell_sample.resize(volume.cells.size());
@@ -393,7 +394,7 @@ void set_cell_samples(const GridData& data, const std::vector<std::size_t>& orde
   volume.stars = symmetric_links(links, volume.positions.size());
 }
 
-/// The level of each sample, by its block.
+/// Sets the level of each sample from its block.
 void set_levels(const GridData& data, SampledVolume& volume) {
   std::set<int> levels;
   for (const GridBlock& b : data.blocks) levels.insert(b.level);
@@ -404,7 +405,7 @@ void set_levels(const GridData& data, SampledVolume& volume) {
     volume.level[i] = static_cast<std::uint8_t>(std::clamp(data.blocks[volume.block[i]].level, 0, 255));
 }
 
-/// Grids that hold nothing at all can be looked at all the same.
+/// Throws if arrays exist, but none of the association; grids without any arrays are valid.
 void check_arrays(const GridData& data, const SampledVolume& volume) {
   if (volume.attributes.empty() && std::any_of(data.blocks.begin(), data.blocks.end(), [](const GridBlock& b) {
         return !b.point_arrays.empty() || !b.cell_arrays.empty();
@@ -424,10 +425,7 @@ Association association_of(const GridData& data, const std::string& array) {
       for (const Attribute& a : *table) names.insert(a.name);
   }
   if (in_cells) return Association::cells;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + printable(name, 60);
-  throw ArgumentError("there is no array '" + printable(array, 60) + "'; " +
-                      (list.empty() ? "there are none at all" : "those there are: " + list));
+  throw ArgumentError(no_array_named(array, std::vector<std::string>(names.begin(), names.end())));
 }
 
 SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress) {
@@ -462,7 +460,7 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   volume.facts.hidden += remove_below_levels(data, gathered);
   const auto first_there = scattered ? std::move(scattered_groups) : join_coincident(gathered);
   progress.advance();
-  auto source = mend_cells(gathered, volume.facts);
+  auto source = repair_cells(gathered, volume.facts);
   if (gathered.cells.empty()) throw DataError("no cell has any volume: all points lie in a plane or on a line");
   if (!scattered) remove_overlapped(gathered, source, volume.facts);
   progress.advance();

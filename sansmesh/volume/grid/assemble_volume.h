@@ -1,4 +1,4 @@
-// From the blocks of a file to samples: the one place where grids of all kinds become the same.
+// Assembles the blocks of a file into samples; later stages do not distinguish kinds of grids.
 #pragma once
 
 #include <string>
@@ -10,34 +10,33 @@
 
 namespace sansmesh::inline v1 {
 
-/// Where the array of that name is. Points, where both have one. Throws ArgumentError naming the arrays that there are
-/// where neither has.
+/// Association of the array with that name; points if both have one. If neither has, throws ArgumentError that names
+/// the available arrays.
 Association association_of(const GridData& data, const std::string& array);
 
-/// Samples, stars and cells of all blocks together (METHODS §6, §9):
-/// - a single lattice stays one; samples of cells are the lattice of the cells' centres;
-/// - points at one place become one sample (the mean of their values), so that O-grids close and the blocks of a
-///   conforming multiblock grid are connected; cells with coinciding corners become those of fewer corners, and cells
-///   without volume are left out;
-/// - of samples of cells the finest level counts (AMR); a cell's neighbours are those that share a face with it, or
-///   part of one;
-/// - where blocks overlap the finer one counts, judged by the local length of edges, of equally fine ones the one whose
-///   cell's centre comes first in lexicographic order of its coordinates: never by the order of blocks. Samples and
-///   cells of the others are left out there, and stars reach across;
-/// - arrays of one name and different types in several blocks get a type that holds all; where a block has not got an
-///   array, or with another number of components than most rows have it, values are unknown: NaN, integers become
+/// Samples, stars and cells of all blocks together (tejada2008, ch. 6; docs/methods/volume-grids.md):
+/// - a single lattice stays a lattice; cell data become samples on the lattice of the cell centres;
+/// - coincident points become one sample (the mean of their values), so that O-grids close and the blocks of a
+///   conforming multiblock grid are connected; cells with coincident corners become cells with fewer corners, and
+///   cells without volume are removed;
+/// - for cell data the finest level counts (AMR); the neighbours of a cell share a face or a part of a face with it;
+/// - where blocks overlap the finer one counts, by local edge length; among equally fine ones the block whose cell
+///   centre is lexicographically first, so that the order of blocks does not matter. Samples and cells of the others
+///   are removed there, and stars connect across;
+/// - arrays of one name and different types in several blocks get a common type that holds all of them; in a block that
+///   lacks the array, or has another number of components than most rows, values are unknown: NaN, and integers become
 ///   reals;
 /// - grids with one layer of points or with flat cells become a slab one spacing thick;
 /// - scattered points get the cells of their Delaunay tetrahedralisation.
 ///
-/// Samples of lattices and curvilinear blocks keep their order; those of unstructured blocks and scattered points, and
-/// their cells, are sorted along a curve that fills space: neighbours are near each other in memory, and the result
-/// does not depend on how the file lists points and cells. (It does on how a cell lists its corners, and on which
-/// corner comes first.) Nor does it depend on the order of blocks but for `block`, nor on the number of threads.
+/// Samples of lattices and curvilinear blocks keep their order. Samples and cells of unstructured blocks and scattered
+/// points are sorted along a space-filling curve: neighbours are close in memory, and the result is independent of the
+/// order of points and cells in the file (it depends on the first corner and the corner order of a cell). It is also
+/// independent of the order of blocks, except for `block`, and of the number of threads.
 ///
-/// Throws DataError naming the cause where nothing is left (no points, no array of what is asked for but others, all in
-/// a plane or line, nothing finite, nothing visible) and where cells name points that are not there. Of data without
-/// any arrays come samples without attributes.
+/// Throws DataError that names the cause if no sample remains (no points, no array of the requested association but
+/// others, all points in a plane or line, no finite or no visible values) and for cells with invalid point numbers.
+/// Data without any array give samples without attributes.
 SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Something like a hash of all bytes that go in.
+/// Hash of all bytes added.
 struct Digest {
   std::uint64_t value = 0x9E3779B97F4A7C15u;
   void add(std::uint64_t v) {
@@ -46,7 +46,7 @@ struct Digest {
   }
 };
 
-/// A flat cell or one with volume.
+/// Corners of a flat or solid cell.
 std::span<const std::uint32_t> corners_of_row(const GridBlock& b, std::size_t row) {
   if (!b.cells.empty()) return b.cells[row];
   const auto& flat = b.flat_cells[row];
@@ -60,7 +60,7 @@ std::uint64_t digest_of_cell(const GridBlock& b, std::size_t row) {
   return d.value;
 }
 
-/// Of structured blocks all bytes in their order; of others sums over rows, which no order changes.
+/// Structured blocks: all bytes in order; others: order-independent sums over rows.
 std::uint64_t digest_of_block(const GridBlock& b) {
   Digest d;
   d.add(static_cast<std::uint64_t>(b.kind));

@@ -1,5 +1,5 @@
-// Orders that follow from what blocks, points and cells are, not from how a file lists them: what is assembled of them
-// is the same to the bit then, and neighbours in space are neighbours in memory.
+// Canonical orders of blocks, points and cells. They depend on the contents, not on the order in the file, so that
+// assembled volumes are bit-identical and neighbours in space are close in memory.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Of the blocks: coarse levels first, then by what they hold. Blocks must be sound (check_blocks).
+/// Order of the blocks: coarse levels first, then by contents. Blocks must be valid (check_blocks).
 std::vector<std::size_t> canonical_order(const GridData& data);
 
-/// Of the rows of a block without structure: points along the Morton curve of their box, of one cell of it by x, y and
-/// z, of one place by their values; cells (flat ones, where there are no others) likewise by the means of their
-/// corners, then by their corners in the order that the cell has them, then by their values. What is not finite comes
-/// last. The rows in their new order; empty for structured blocks, which keep theirs.
+/// Row order of a block without structure. Points: along the Morton curve of their box, within one cell of the curve by
+/// x, y and z, coincident ones by value. Cells (flat ones if there are no others): likewise by the mean of their
+/// corners, then by their corners in the order of the cell, then by value. Non-finite rows come last. Empty for
+/// structured blocks, which keep their order.
 struct BlockRows {
   std::vector<std::uint32_t> points, cells;
 };
 BlockRows canonical_rows(const GridBlock& block);
 
-/// Tells rows of points apart that lie at one place: something like a hash of all their values.
+/// Distinguishes coincident points: a hash of all their values.
 std::uint64_t digest_of_point(const GridBlock& block, std::size_t row);
 
 }  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@ namespace {
 
 using detail::holds_for_all;
 
-/// Larger coordinates would overflow when they are squared.
+/// Larger coordinates overflow when squared.
 constexpr double kFarthest = 1e100;
 
 bool is_place(const Vec3& x) {
@@ -40,7 +40,7 @@ void check_lattice(const Lattice& lattice) {
       demand(std::abs(dot(lattice.directions[k], lattice.directions[m]) - (k == m ? 1 : 0)) <= 1e-4,
              "the directions of its lattice are not orthonormal");
   }
-  demand(is_place(lattice.origin), "the origin of its lattice makes no sense");
+  demand(is_place(lattice.origin), "the origin of its lattice is invalid");
 }
 
 void check_cells(const SampledVolume& volume) {
@@ -57,23 +57,23 @@ void check_cells(const SampledVolume& volume) {
                        }),
          "its cells do not fit their corners");
   demand(holds_for_all(cells.corners.size(), [&](std::size_t k) { return cells.corners[k] < corners; }),
-         "a cell has a corner that is not there");
+         "a cell has a corner that does not exist");
   demand(volume.corners.empty() == volume.cell_sample.empty() &&
              (volume.cell_sample.empty() || volume.cell_sample.size() == cells.size()),
          "its cells do not fit its samples");
   demand(holds_for_all(volume.cell_sample.size(),
                        [&](std::size_t c) { return volume.cell_sample[c] < volume.positions.size(); }),
-         "a cell has a sample that is not there");
+         "a cell has a sample that does not exist");
 }
 
 void check_stars(const Adjacency& stars, std::size_t n) {
   demand(stars.first.size() == n + 1 && stars.first[0] == 0 && stars.first[n] == stars.entries.size(),
-         "the neighbours of its samples do not fit these");
+         "the neighbour lists do not fit its samples");
   demand(holds_for_all(n,
                        [&](std::size_t i) {
                          return stars.first[i] <= stars.first[i + 1] && stars.first[i + 1] <= stars.entries.size();
                        }),
-         "the neighbours of its samples do not fit these");
+         "the neighbour lists do not fit its samples");
   demand(holds_for_all(n,
                        [&](std::size_t i) {
                          const auto star = stars[i];
@@ -81,7 +81,7 @@ void check_stars(const Adjacency& stars, std::size_t n) {
                            if (star[k] >= n || star[k] == i || (k > 0 && star[k] <= star[k - 1])) return false;
                          return true;
                        }),
-         "a sample has neighbours that make no sense");
+         "a sample has invalid neighbours");
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ void check_volume(const SampledVolume& volume) {
     demand(n > 0 && n <= std::numeric_limits<std::uint32_t>::max(), "it has an impossible number of samples");
     demand(holds_for_all(n, [&](std::size_t i) { return is_place(volume.positions[i]); }) &&
                holds_for_all(volume.corners.size(), [&](std::size_t i) { return is_place(volume.corners[i]); }),
-           "a position makes no sense");
+           "a position is invalid");
     check_cells(volume);
     check_stars(volume.stars, n);
   }

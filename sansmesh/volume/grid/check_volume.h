@@ -1,13 +1,12 @@
-// Whether samples are such as assemble_volume makes them: for those that come from elsewhere.
+// Validates volumes that do not come from assemble_volume.
 #pragma once
 
 #include "sansmesh/sampled_volume.h"
 
 namespace sansmesh::inline v1 {
 
-/// Throws DataError, naming what is wrong, unless sizes of all arrays fit each other, all numbers of samples and
-/// corners name some that there are, every position is finite, axes ascend and stars are ascending lists. Whether cells
-/// have volumes or overlap is not looked at. Runs in parallel.
+/// Throws DataError that names the defect unless array sizes match, sample and corner numbers are valid, positions are
+/// finite, axes ascend, and stars are ascending lists. Does not check volumes and overlaps of cells. Runs in parallel.
 void check_volume(const SampledVolume& volume);
 
 }  // namespace sansmesh::inline v1

@@ -1,8 +1,9 @@
-// Points at one place: seams of grids that close on themselves, borders of blocks, corners that coincide.
+// Coincident points: seams of grids that close on themselves, borders of blocks, collapsed corners.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -11,9 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// The shortest edge at each point that is one, rather than two corners at the same place; infinite where there is
-/// none. each_edge(visit) calls visit(a, b, length) for all edges, twice the same ones. Points at the ends of edges
-/// without length become joinable.
+/// Length of the shortest edge at each point, ignoring edges between coincident corners; infinite without edges.
+/// each_edge(visit) calls visit(a, b, length) for all edges and is called twice. The ends of edges without length
+/// become joinable.
 template <class EachEdge>
 std::vector<double> shortest_edges(std::size_t points, const EachEdge& each_edge, std::vector<std::uint8_t>& joinable) {
   constexpr double kNoEdge = 1e-9;
@@ -32,8 +33,13 @@ std::vector<double> shortest_edges(std::size_t points, const EachEdge& each_edge
   return shortest;
 }
 
-/// Of each point the first one at its place, to a hundredth of the shortest edge there and 1e-6 of the whole. Only
-/// joinable points are looked at, and only those that have an edge. Empty if no two are at one place.
+/// For each point the first of all points that coincide with it, directly or through others: those within the smaller
+/// of both tolerances. Only the `joinable` points are considered. Empty if no two points coincide.
+std::vector<std::uint32_t> joined_points(std::span<const Vec3> points, std::span<const std::uint32_t> joinable,
+                                         const std::function<double(std::uint32_t)>& tolerance);
+
+/// For each point the first point that coincides with it, within a hundredth of its shortest edge and 1e-6 of the
+/// extent. Only joinable points with an edge are considered. Empty if no two points coincide.
 std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::span<const double> shortest_edges,
                                              std::span<const std::uint8_t> joinable);
 

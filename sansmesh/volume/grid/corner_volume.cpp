@@ -14,12 +14,12 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kSpansSpace = 0.05;  ///< least pivot of the basis over the largest
+constexpr double kSpansSpace = 0.05;  ///< smallest pivot of the basis over the largest
 constexpr int kMostRings = 3;
-constexpr double kFirmWeight = 0.05;  ///< distance below which weights grow no more, of the farthest sample's
+constexpr double kFirmWeight = 0.05;  ///< distance, relative to the farthest sample, below which weights are constant
 
-/// The value at `x` of the straight functions nearest to the samples; false where these do not span space, which
-/// `last` accepts: the shortest of all solutions then.
+/// The value at `x` of the least-squares linear functions of the samples. Returns false where the samples do not span
+/// space, unless `last`: then it uses the minimum-norm solution.
 bool fit_straight(const SampledVolume& volume, const VolumeValues& values, const Vec3& x,
                   std::span<const std::uint32_t> near, bool last, double* out) {
   std::vector<Vec3> offsets;
@@ -39,7 +39,7 @@ bool fit_straight(const SampledVolume& volume, const VolumeValues& values, const
   solver.compute(basis);
   if (solver.rank() < 4 && !last) return false;
   const Eigen::MatrixXd solution = solver.solve(right);
-  // Without a basis that spans space constants must survive all the same: the mean of the samples then.
+  // Without a basis that spans space constants must still be reproduced: use the mean of the samples.
   for (Eigen::Index c = 0; c < components; ++c) out[c] = solution(0, c);
   if (solver.rank() < 4)
     for (Eigen::Index c = 0; c < components; ++c)
@@ -47,7 +47,7 @@ bool fit_straight(const SampledVolume& volume, const VolumeValues& values, const
   return true;
 }
 
-/// A lattice up to its ends, values beyond the outermost samples straight on, axis by axis.
+/// Extends a lattice to its ends; values beyond the outermost samples continue linearly, axis by axis.
 CornerSamples to_ends(const SampledVolume& volume, VolumeValues values) {
   auto made = std::make_shared<SampledVolume>();
   made->facts = volume.facts;
@@ -107,7 +107,7 @@ CornerSamples corner_samples(std::shared_ptr<const SampledVolume> volume, Volume
     for (std::size_t i = first; i < last; ++i) {
       near.clear();
       for (const std::uint32_t c : cells[i]) near.push_back(volume->cell_sample[c]);
-      if (near.empty()) continue;  // a corner of no cell
+      if (near.empty()) continue;  // not a cell corner
       unique();
       double* const out = at_corners.values.data() + i * values.components;
       for (int ring = 0; !fit_straight(*volume, values, made->positions[i], near, ring == kMostRings, out); ++ring) {
@@ -132,21 +132,14 @@ CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, 
   made->cell_sample = volume->cell_sample;
   made->in_cells = true;
   made->facts = volume->facts;
-  const std::vector<std::uint32_t> neighbours = face_neighbours(volume->cells, volume->corners.size());
   std::vector<std::uint8_t> taken(volume->corners.size(), 0);
-  for (std::size_t c = 0; c < volume->cells.size(); ++c) {
-    const auto faces = cell_faces(volume->cells.shapes[c]);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (neighbours[kMostFaces * c + f] != kNoCell) continue;
-      for (std::size_t k = 0; k < faces[f].count; ++k) {
-        const std::uint32_t corner = volume->cells[c][faces[f].corner[k]];
-        if (std::exchange(taken[corner], std::uint8_t{1})) continue;
-        made->positions.push_back(volume->corners[corner]);
-        const auto value = corners.values.of(corner);
-        values.values.insert(values.values.end(), value.begin(), value.end());
-      }
+  for (const std::uint32_t face : open_faces(volume->cells, volume->corners.size()))
+    for (const std::uint32_t corner : ring_of_face(volume->cells, face)) {
+      if (std::exchange(taken[corner], std::uint8_t{1})) continue;
+      made->positions.push_back(volume->corners[corner]);
+      const auto value = corners.values.of(corner);
+      values.values.insert(values.values.end(), value.begin(), value.end());
     }
-  }
   return {std::move(made), std::move(values)};
 }
 

@@ -1,4 +1,4 @@
-// Samples in cells brought to the corners of the cells, for methods that work in cells.
+// Converts cell data to samples at cell corners, for methods that need corner samples.
 #pragma once
 
 #include <memory>
@@ -13,16 +13,16 @@ struct CornerSamples {
   VolumeValues values;
 };
 
-/// The same where samples are corners. Of a lattice of samples in cells one of two more coordinates on each axis, its
-/// ends, where values go on straight. Else a volume of the same cells whose samples are their corners: values are those
-/// of straight functions fitted to the samples of the cells around each corner by least squares (and their stars, ring
-/// by ring, where these do not span space), weighted by the inverse square of the distance in the local metric.
-/// Straight functions are reproduced; values in the cells themselves are not interpolated.
+/// The input itself if samples are corners. A lattice of cell data gains two coordinates per axis, at its ends, where
+/// values continue linearly. Any other volume keeps its cells and has samples at their corners: values of linear
+/// functions fitted by least squares to the samples of the cells around each corner (and to their stars, ring by ring,
+/// where these do not span space), weighted by the inverse squared distance in the local metric. Linear functions are
+/// reproduced; the cell values are not interpolated.
 CornerSamples corner_samples(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
-/// The same where samples are corners. Of samples in cells a volume with more samples, at the corners of faces that
-/// have no cell of the same corners on their other side, with the values of corner_samples: then the hull of the
-/// samples holds the volume. Stars are not set.
+/// The input itself if samples are corners. Cell data gain samples at the corners of faces without a matching cell on
+/// the other side, with the values of corner_samples, so that the convex hull of the samples contains the volume. Stars
+/// are not set.
 CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
 }  // namespace sansmesh::inline v1::detail

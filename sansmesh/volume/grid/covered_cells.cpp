@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/grid_limits.h"
 #include "sansmesh/volume/cells/box_tree.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_finder.h"
@@ -15,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Whether a lattice holds x, and which cell of it.
+/// Whether a lattice contains x, and in which cell.
 bool lattice_holds(const GridBlock& b, const Vec3& x, std::array<std::size_t, 3>& cell) {
   const Vec3 d = x - b.origin;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -38,7 +39,7 @@ bool is_visible(const GridBlock& b, const std::array<std::size_t, 3>& cell) {
   return true;
 }
 
-/// The place in a cell at parameters in the unit cube, which are drawn into the shape.
+/// The point of a cell at parameters of the unit cube, mapped into the parameters of the shape.
 Vec3 place_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
   if (shape == CellShape::tetrahedron)
     u = u / std::max(1.0, 1.01 * (u.x + u.y + u.z));
@@ -49,19 +50,6 @@ Vec3 place_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
   Vec3 x;
   for (std::size_t k = 0; k < corners.size(); ++k) x += corners[k] * weights[k];
   return x;
-}
-
-Box3 lattice_box(const GridBlock& b) {
-  Box3 box;
-  for (int c = 0; c < 8; ++c) {
-    Vec3 corner = b.origin;
-    for (int k = 0; k < 3; ++k) {
-      const auto& axis = b.axes[static_cast<std::size_t>(k)];
-      corner += b.directions[static_cast<std::size_t>(k)] * (c >> k & 1 ? axis.back() : axis.front());
-    }
-    box.extend(corner);
-  }
-  return box;
 }
 
 template <class T>
@@ -111,8 +99,8 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& g) {
                   return covered(g.points[p] + (middle - g.points[p]) * 1e-3, false);
                 });
       if (!gone[c] || all_visible) continue;
-      // Ghosts and blanked cells cover nothing. All finer cells that a cell of twice or four times their size holds are
-      // looked at, each within.
+      // Ghosts and blanked cells cover nothing. For cells of two or four times their size every contained finer cell is
+      // tested.
       std::array<Vec3, 8> corners;
       const std::size_t count = g.cells[c].size();
       for (std::size_t k = 0; k < count; ++k) corners[k] = g.points[g.cells[c][k]];
@@ -147,19 +135,11 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
     const auto key = [&](std::size_t c) { return std::tie(size[c], middle[c].x, middle[c].y, middle[c].z); };
     return key(a) < key(b) || (key(a) == key(b) && a < b);  // the same cell in two blocks
   };
-  // Faces at which a block ends: a cell that one of them reaches into is only partly covered.
-  std::vector<std::uint32_t> ends;
-  {
-    const auto across = face_neighbours(cells, points.size());
-    for (std::size_t c = 0; c < n; ++c)
-      for (std::size_t f = 0; f < cell_faces(cells.shapes[c]).size(); ++f)
-        if (across[kMostFaces * c + f] == kNoCell) ends.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
-  }
+  // Faces at which a block ends: a cell that contains part of one is only partly covered.
+  const std::vector<std::uint32_t> ends = open_faces(cells, points.size());
   const BoxTree end_tree(ends.size(), [&](std::size_t i) {
-    const std::size_t c = ends[i] / kMostFaces;
-    const CellFace& face = cell_faces(cells.shapes[c])[ends[i] % kMostFaces];
     Box3 box;
-    for (std::size_t k = 0; k < face.count; ++k) box.extend(points[cells[c][face.corner[k]]]);
+    for (const std::uint32_t p : ring_of_face(cells, ends[i])) box.extend(points[p]);
     return box;
   });
   parallel_ranges(0, n, 256, [&](std::size_t first, std::size_t last) {
@@ -176,7 +156,7 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
                              [&](std::uint32_t e) { return block[ends[e] / kMostFaces] == block[finer]; });
     }
   });
-  // Sizes vary, so that those that a cell has made room for may have made room themselves: nothing may be left empty.
+  // Cells that cover another may have been removed themselves, since sizes vary: no space may stay empty.
   std::vector<std::uint8_t> back(n, 0);
   parallel_ranges(0, n, 64, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> near;

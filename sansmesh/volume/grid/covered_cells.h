@@ -1,4 +1,4 @@
-// Cells whose place finer ones of other blocks take.
+// Cells covered by finer cells of other blocks.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Takes out the cells that lie in visible cells of lattices of finer levels (AMR), also where the file does not say
-/// that these cover them. Returns how many.
+/// Removes cells inside visible cells of finer lattice levels (AMR), even if the file does not mark them as covered.
+/// Returns their number.
 std::size_t remove_below_levels(const GridData& data, GatheredCells& gathered);
 
-/// Which cells lie wholly in a block that is finer there, by the mean length of edges (of equally fine ones the one
-/// whose middle comes first, by x, y and z, stays). Only cells are marked all of whose place is taken by cells that
-/// stay. `block` of each cell.
+/// Marks cells entirely covered by a block that is finer there, by mean edge length (among equally fine ones the cell
+/// whose centre is first by x, y and z stays). A cell is only marked if remaining cells cover it completely. `block`:
+/// block of each cell.
 std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vector<Vec3>& points,
                                            const std::vector<std::uint16_t>& block);
 

@@ -23,10 +23,10 @@ extern "C" {
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Uniform in −1 .. 1, from a number.
+/// Uniform in −1 .. 1, derived from a number.
 double hashed(std::uint64_t n) { return static_cast<double>(scrambled(n) >> 11) / 4503599627370496.0 - 1; }
 
-/// Whether the points extend in three directions: farthest from the first, from the line, from the plane.
+/// Whether the points extend in three directions: farthest point from the first, from the line, from the plane.
 bool spans_space(std::span<const Vec3> points, double size) {
   const Vec3 a = points[0];
   const auto farthest = [&](const auto& distance) {
@@ -42,7 +42,7 @@ bool spans_space(std::span<const Vec3> points, double size) {
   return off_plane(farthest(off_plane)) > 1e-9 * size;
 }
 
-/// Qhull's state, freed in the end; its messages go into a buffer.
+/// Owns Qhull's state; its messages go into a buffer.
 class QhullRun {
  public:
   QhullRun() : errors_(::open_memstream(&text_, &length_)) { qh_zero(&state_, errors_); }
@@ -116,7 +116,7 @@ CellList delaunay_tetrahedra(std::span<const Vec3> points) {
     if (volume < 0) std::swap(corners[0], corners[1]);
     found.push_back(corners);
   }
-  // Neighbouring points have neighbouring numbers, where the caller has seen to that: cells then follow suit.
+  // Cells are sorted by point index, so that they inherit the spatial order of the points.
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
     const auto least = [](const auto& c) { return *std::min_element(c.begin(), c.end()); };
     return least(a) != least(b) ? least(a) < least(b) : a < b;

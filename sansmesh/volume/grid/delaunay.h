@@ -1,4 +1,4 @@
-// Cells for points that have none.
+// Delaunay tetrahedralisation of scattered points.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// The Delaunay tetrahedralisation of points that are finite and all different (Qhull; Barber, Dobkin & Huhdanpaa
-/// 1996). The points are moved by 1e-7 of their mean spacing beforehand, each in a direction of its own that follows
-/// from its number, so that there is one answer for points on a common sphere too (lattices are); tetrahedra that are
-/// flat without that are left out. Throws DataError for fewer than four points, for points in a plane or on a line.
+/// The Delaunay tetrahedralisation of finite, distinct points (Qhull; barber). The points are first perturbed by 1e-7
+/// of their mean spacing, in directions derived from their indices, so that cospherical points (as in lattices) have a
+/// unique result; tetrahedra that are flat without the perturbation are removed. Throws DataError for fewer than four
+/// points, and for coplanar or collinear points.
 CellList delaunay_tetrahedra(std::span<const Vec3> points);
 
 }  // namespace sansmesh::inline v1

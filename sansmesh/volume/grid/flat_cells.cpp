@@ -15,7 +15,7 @@ namespace {
 
 std::size_t ring_size(const FlatCell& cell) { return cell.corners[3] == GridBlock::kNone ? 3 : 4; }
 
-/// Twice the area, to the side from which the corners turn left.
+/// Twice the vector area; corners are counter-clockwise seen from its side.
 Vec3 area_of(const FlatCell& cell, const std::vector<Vec3>& points) {
   const std::size_t count = ring_size(cell);
   const Vec3& o = points[cell.corners[0]];
@@ -25,13 +25,13 @@ Vec3 area_of(const FlatCell& cell, const std::vector<Vec3>& points) {
   return area;
 }
 
-/// Two cells on both sides of an edge.
+/// Two cells adjacent to an edge.
 struct CellLink {
   std::uint32_t cell, other;
-  bool opposed;  ///< wound so that one of them has to be turned
+  bool opposed;  ///< their orientations differ
 };
 
-/// A sheet that is listed once for each side.
+/// A sheet listed once per side.
 bool same_corners(const FlatCell& a, const FlatCell& b, const std::vector<std::uint32_t>& at) {
   const auto numbers = [&](const FlatCell& cell) {
     std::vector<std::uint32_t> all(ring_size(cell));
@@ -42,12 +42,12 @@ bool same_corners(const FlatCell& a, const FlatCell& b, const std::vector<std::u
   return numbers(a) == numbers(b);
 }
 
-/// Of each cell those that share an edge with it and no third cell; corners by `at`, the first point at their place.
+/// For each cell the cells connected by an edge with no third cell; corners by `at`, the first coincident point.
 std::vector<CellLink> links_of(const std::vector<FlatCell>& cells, const std::vector<std::uint32_t>& at) {
   struct Side {
     std::uint64_t edge;
     std::uint32_t cell;
-    bool upwards;  ///< from the corner of lower number to the other
+    bool upwards;  ///< from the corner of smaller index to the other
   };
   std::vector<Side> sides;
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -74,7 +74,7 @@ std::vector<CellLink> links_of(const std::vector<FlatCell>& cells, const std::ve
   return links;
 }
 
-/// Which cells are to be turned for all to show the same side.
+/// The cells to be flipped for consistent sides.
 std::vector<std::uint8_t> turned_cells(const std::vector<FlatCell>& cells, const std::vector<Vec3>& areas,
                                        const std::vector<std::uint32_t>& at) {
   const std::vector<CellLink> links = links_of(cells, at);
@@ -93,7 +93,7 @@ std::vector<std::uint8_t> turned_cells(const std::vector<FlatCell>& cells, const
         part.push_back(link->other);
       }
     }
-    // Parts that lie in planes show the side towards which their largest coordinate grows; closed ones have none.
+    // Planar parts show the side towards which their largest coordinate grows; closed parts have no preference.
     Vec3 sum;
     double all = 0;
     for (const std::uint32_t c : part) sum += turned[c] ? -areas[c] : areas[c], all += norm(areas[c]);
@@ -153,7 +153,7 @@ void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& g,
     const std::size_t count = ring_size(cells[c]);
     std::array<std::uint32_t, 4> ring = cells[c].corners;
     if (turned[c]) std::reverse(ring.begin() + 1, ring.begin() + static_cast<std::ptrdiff_t>(count));
-    // The first triangle of a wedge turns left seen from outside, that of a hexahedron from inside.
+    // The first triangle of a wedge is counter-clockwise from outside, that of a hexahedron from inside.
     std::array<std::uint32_t, 8> corners{};
     Vec3 sum;
     for (std::size_t k = 0; k < count; ++k) {

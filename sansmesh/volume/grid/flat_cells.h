@@ -1,4 +1,4 @@
-// Flat cells made solid: data in a plane or on a surface as a slab.
+// Extrudes flat cells: data in a plane or on a surface become a slab.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 namespace sansmesh::inline v1 {
 
 struct FlatCell {
-  std::array<std::uint32_t, 4> corners;  ///< in the list of all points, a ring; the last GridBlock::kNone of triangles
-  std::uint32_t row;                     ///< in its block
-  std::uint16_t block;                   ///< as the file numbers them
+  std::array<std::uint32_t, 4>
+      corners;          ///< in the list of all points, a ring; the last is GridBlock::kNone for triangles
+  std::uint32_t row;    ///< row in its block
+  std::uint16_t block;  ///< block number in the file
 };
 
-/// Replaces the points of `gathered`, which has no cells yet, by two each, half a thickness to both sides, and adds
-/// the flat cells as hexahedra and wedges between them. The thickness is the median of all edges of all blocks. The
-/// sides are the same ones for all cells that hang together by edges, however their corners are wound; parts that do
-/// not hang together have the same sides where they lie in planes. Points at one place are moved the same way. Counts
-/// into facts: layer.
+/// Replaces each point of `gathered`, which has no cells yet, by two, offset by half the thickness to both sides, and
+/// adds the flat cells as hexahedra and wedges between them. The thickness is the median edge length over all blocks.
+/// Cells connected by edges have consistent sides for any orientation of their corners; unconnected parts have
+/// the same sides if they are planar. Coincident points are moved equally. Adds to facts: layer.
 void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& gathered, VolumeFacts& facts);
 
 }  // namespace sansmesh::inline v1

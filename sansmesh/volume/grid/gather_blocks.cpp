@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Visits the cells of a structured block with one layer as quadrilaterals, in their order.
+/// Visits the cells of a single-layer structured block as quadrilaterals, in order.
 template <class Visit>
 void each_flat_cell(const GridBlock& b, const Visit& visit) {
   std::array<std::size_t, 2> m{}, stride{};
@@ -28,7 +28,7 @@ void each_flat_cell(const GridBlock& b, const Visit& visit) {
     }
 }
 
-/// What one block puts into the lists.
+/// Appends one block to the lists.
 class BlockGatherer {
  public:
   BlockGatherer(const GridBlock& block, std::size_t number, bool many, bool centers, GatheredCells& out,
@@ -90,7 +90,7 @@ class BlockGatherer {
     return std::all_of(points.begin(), points.end(), [this](std::uint32_t p) { return usable_[p] != 0; });
   }
 
-  /// `points` of the block.
+  /// `points`: indices in the block.
   void add_cell(CellShape shape, std::span<const std::uint32_t> points, std::size_t row) {
     if (!visible(row, points)) return;
     std::array<std::uint32_t, 8> corners;
@@ -144,8 +144,8 @@ class BlockGatherer {
   std::vector<FlatCell>& flat_;
   VolumeFacts& facts_;
   BlockRows rows_;
-  std::vector<std::uint8_t> usable_;      ///< of each row
-  std::vector<std::uint32_t> number_of_;  ///< of each row: in the list of all points
+  std::vector<std::uint8_t> usable_;      ///< per row
+  std::vector<std::uint32_t> number_of_;  ///< per row: index in the list of all points
 };
 
 }  // namespace

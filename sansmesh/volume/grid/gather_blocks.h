@@ -1,4 +1,4 @@
-// The points and cells of all blocks of a file in one list.
+// Gathers the points and cells of all blocks in one list.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// All that is visible and finite: hidden points take their cells along. Blocks in the order given, the rows of those
-/// without structure in that of canonical_rows. Layers and flat cells become one slab, unless there are cells with
-/// volume, too. Scattered points have no cells here. Blocks must be sound (check_blocks). Counts into facts: blocks,
-/// points, cells, hidden, not_finite, layer.
+/// Includes all visible and finite points; hidden points remove their cells. Blocks are in the given order, rows
+/// without structure in that of canonical_rows. Layers and flat cells become one slab unless there are solid cells.
+/// Scattered points get no cells here. Blocks must be valid (check_blocks). Adds to facts: blocks, points, cells,
+/// hidden, not_finite, layer.
 GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>& order, bool centers,
                            VolumeFacts& facts);
 

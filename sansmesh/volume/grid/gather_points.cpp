@@ -1,9 +1,10 @@
 #include "sansmesh/volume/grid/gather_points.h"
 
-#include "sansmesh/core/union_find.h"
+#include <numeric>
+
 #include "sansmesh/error.h"
-#include "sansmesh/volume/cells/box_tree.h"
 #include "sansmesh/volume/grid/block_order.h"
+#include "sansmesh/volume/grid/coincident_points.h"
 #include "sansmesh/volume/grid/delaunay.h"
 #include "sansmesh/volume/grid/point_order.h"
 
@@ -46,23 +47,12 @@ GatheredCells gather_scattered(const GridData& data, const std::vector<std::size
   }
   places = {}, sources = {};
   const double reach = 1e-9 * box.diagonal();
-  const BoxTree tree(g.points.size(), [&](std::size_t i) {
-    return Box3{g.points[i] - Vec3{reach, reach, reach}, g.points[i] + Vec3{reach, reach, reach}};
-  });
-  UnionFind sets(g.points.size());
-  std::vector<std::uint32_t> near, distinct;
-  for (std::size_t i = 0; i < g.points.size(); ++i) {
-    tree.containing(g.points[i], near);
-    for (const std::uint32_t j : near)
-      if (squared_norm(g.points[j] - g.points[i]) <= reach * reach) sets.join(static_cast<std::uint32_t>(i), j);
-  }
+  std::vector<std::uint32_t> distinct(g.points.size());
+  std::iota(distinct.begin(), distinct.end(), 0u);
+  first = joined_points(g.points, distinct, [&](std::uint32_t) { return reach; });
+  if (!first.empty()) std::erase_if(distinct, [&](std::uint32_t i) { return first[i] != i; });
   std::vector<Vec3> apart;
-  first.resize(g.points.size());
-  for (std::size_t i = 0; i < g.points.size(); ++i) {
-    first[i] = sets.find(static_cast<std::uint32_t>(i));
-    if (first[i] == i) apart.push_back(g.points[i]), distinct.push_back(static_cast<std::uint32_t>(i));
-  }
-  if (distinct.size() == g.points.size()) first.clear();
+  for (const std::uint32_t i : distinct) apart.push_back(g.points[i]);
   g.cells = delaunay_tetrahedra(apart);
   for (std::uint32_t& p : g.cells.corners) p = distinct[p];
   return g;

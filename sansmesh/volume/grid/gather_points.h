@@ -1,4 +1,4 @@
-// Scattered points with the cells that they have not got.
+// Gathers scattered points and tetrahedralises them.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// The visible and finite points of all scattered blocks, neighbours near each other in an order that depends on their
-/// places and values alone, with the cells of their Delaunay tetrahedralisation; `first` is what join_coincident
-/// returns (points nearer to each other than 1e-9 of the whole are one). Counts into facts: hidden, not_finite. Throws
-/// DataError where no points are left, and as delaunay_tetrahedra.
+/// The visible and finite points of all scattered blocks, with their Delaunay tetrahedralisation. Neighbours are close
+/// in memory; the order depends only on positions and values. `first` receives the result of join_coincident (points
+/// within 1e-9 of the extent coincide). Adds to facts: hidden, not_finite. Throws DataError if no points remain, and as
+/// delaunay_tetrahedra.
 GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
                                std::vector<std::uint32_t>& first);
 

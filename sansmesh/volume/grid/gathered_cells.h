@@ -9,16 +9,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points and cells with where they come from.
+/// Points and cells with their origin in the file.
 struct GatheredCells {
   std::vector<Vec3> points;
-  std::vector<std::uint32_t> point_row;    ///< in its block
-  std::vector<std::uint16_t> point_block;  ///< as the file numbers them; of all, if there are several
-  std::vector<std::uint8_t> joinable;      ///< of each point: not 0 if others may lie at its place
+  std::vector<std::uint32_t> point_row;    ///< row in its block
+  std::vector<std::uint16_t> point_block;  ///< block number in the file; empty for a single block
+  std::vector<std::uint8_t> joinable;      ///< per point: not 0 if other points may coincide with it
   CellList cells;
-  std::vector<std::uint32_t> cell_row;    ///< in its block
+  std::vector<std::uint32_t> cell_row;    ///< row in its block
   std::vector<std::uint16_t> cell_block;  ///< as above
-  /// Of each cell the place that its value belongs to; only where that was asked for.
+  /// Position of each cell's value; only if requested.
   std::vector<Vec3> centers;
 };
 

@@ -25,17 +25,19 @@ void check_block(const GridBlock& b, std::size_t number) {
         if (!std::isfinite(axis[i]) || (i > 0 && !(axis[i] > axis[i - 1])))
           fail("the coordinates of an axis do not increase");
   for (const std::uint32_t p : b.cells.corners)
-    if (p >= points) fail(fmt::format("a cell names point {} of {}", p, points));
+    if (p >= points) fail(fmt::format("a cell uses point {} of {}", p, points));
   for (const auto& flat : b.flat_cells)
     for (std::size_t k = 0; k < 4; ++k)
       if (flat[k] >= points && !(k == 3 && flat[k] == GridBlock::kNone))
-        fail(fmt::format("a cell names point {} of {}", flat[k], points));
-  if (!b.hidden_points.empty() && b.hidden_points.size() != points) fail("flags of points are not one a point");
-  if (!b.hidden_cells.empty() && b.hidden_cells.size() != cell_count_of(b)) fail("flags of cells are not one a cell");
+        fail(fmt::format("a cell uses point {} of {}", flat[k], points));
+  if (!b.hidden_points.empty() && b.hidden_points.size() != points)
+    fail("the point flags do not have one row per point");
+  if (!b.hidden_cells.empty() && b.hidden_cells.size() != cell_count_of(b))
+    fail("the cell flags do not have one row per cell");
   for (const Attribute& a : b.point_arrays)
-    if (a.rows() != points) fail("array '" + printable(a.name, 60) + "' has not one row a point");
+    if (a.rows() != points) fail("array '" + printable(a.name, 60) + "' does not have one row per point");
   for (const Attribute& a : b.cell_arrays)
-    if (a.rows() != cell_count_of(b)) fail("array '" + printable(a.name, 60) + "' has not one row a cell");
+    if (a.rows() != cell_count_of(b)) fail("array '" + printable(a.name, 60) + "' does not have one row per cell");
 }
 
 }  // namespace

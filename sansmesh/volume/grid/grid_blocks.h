@@ -1,4 +1,4 @@
-// Blocks of a file: how many points and cells they have, and whether what they hold fits together.
+// Sizes and validation of the blocks of a file.
 #pragma once
 
 #include <algorithm>
@@ -17,20 +17,20 @@ inline std::array<std::size_t, 3> dims_of(const GridBlock& b) {
   return b.dims;
 }
 std::size_t point_count_of(const GridBlock& b);
-/// Flat cells count where there are no others.
+/// Flat cells count if there are no others.
 std::size_t cell_count_of(const GridBlock& b);
-/// Axes of a structured block with one point.
+/// Number of axes of a structured block with only one point.
 inline std::size_t layers_of(const GridBlock& b) {
   const auto n = dims_of(b);
   return static_cast<std::size_t>(std::count(n.begin(), n.end(), std::size_t{1}));
 }
-/// Whether it has cells with volume.
+/// Whether the block has cells with volume.
 bool is_solid(const GridBlock& b);
-/// Where point i lies.
+/// Position of point i.
 Vec3 point_of(const GridBlock& b, std::size_t i);
 
-/// Throws DataError, naming the block, where cells name points that are not there, arrays or flags have not as many
-/// rows as there are points or cells, or axes do not increase; and for more than 65,536 blocks or 2³¹ points.
+/// Throws DataError that names the block for cells with invalid point numbers, arrays or flags of wrong length, and
+/// axes that do not increase; also for more than 65,536 blocks or 2³¹ points.
 void check_blocks(const GridData& data);
 
 }  // namespace sansmesh::inline v1

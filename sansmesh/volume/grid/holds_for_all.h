@@ -1,4 +1,4 @@
-// Checks of long arrays.
+// Parallel predicate over long arrays.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Whether right(i) for all i < n. Runs in parallel.
+/// Whether right(i) holds for all i < n. Runs in parallel.
 template <class Right>
 bool holds_for_all(std::size_t n, const Right& right) {
   std::atomic<bool> all = true;

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  ///< the code of what is not finite; no other has it
+constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  ///< code of non-finite points; no other point has it
 
 Box3 finite_box(std::span<const Vec3> points) {
   Box3 box;
@@ -20,7 +20,7 @@ Box3 finite_box(std::span<const Vec3> points) {
   return box;
 }
 
-/// The points by their codes along the curve of the box, and by their numbers.
+/// The points sorted by their codes along the curve of the box, then by index.
 std::vector<KeyIndex> along_curve(std::span<const Vec3> points, const Box3& box) {
   const double kMost = 2097151;  // 21 bits
   const Vec3 size = box.size();
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> locality_order(std::span<const Vec3> points) {
   const Box3 box = finite_box(points);
   const double diagonal = box.diagonal();
   if (!(diagonal > 0) || !std::isfinite(diagonal)) return {};
-  // The steps of some points tell: random ones are half a box apart.
+  // Estimated from the steps between some points: random ones are half a box apart.
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 1; i < points.size(); i += 1 + points.size() / 1024) {

@@ -7,14 +7,14 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_finder.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kFinest = 4;  ///< times that a partly covered face is cut in four
+constexpr int kFinest = 4;  ///< subdivisions of a partly covered face into four
 
 /// A part of a face in the parameters of its patch.
 struct Patch {
@@ -27,20 +27,16 @@ class BoundaryWalk {
  public:
   BoundaryWalk(const CellList& cells, std::span<const Vec3> points) : cells_(cells), faces_(cells, points) {}
 
-  /// All parts of faces with nothing beyond, by cell and face.
+  /// All parts of faces without a cell beyond, by cell and face.
   std::vector<Patch> open_patches() const {
-    constexpr std::size_t kChunk = 1024;
-    std::vector<std::vector<Patch>> parts((cells_.size() + kChunk - 1) / kChunk);
-    parallel_for(0, parts.size(), 1, [&](std::size_t chunk) {
-      std::vector<std::uint32_t> scratch;
-      for (std::size_t c = chunk * kChunk; c < std::min(cells_.size(), (chunk + 1) * kChunk); ++c)
-        for (std::size_t f = 0; f < cell_faces(cells_.shapes[c]).size(); ++f)
-          if (faces_.equal(c, f) == kNoCell)
-            add({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(f), 0, 0, 1}, 0, parts[chunk], scratch);
-    });
-    std::vector<Patch> all;
-    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-    return all;
+    return parallel_collect<Patch>(
+        cells_.size(), 1024, [&](std::size_t first, std::size_t last, std::vector<Patch>& found) {
+          std::vector<std::uint32_t> scratch;
+          for (std::size_t c = first; c < last; ++c)
+            for (std::size_t f = 0; f < cell_faces(cells_.shapes[c]).size(); ++f)
+              if (faces_.equal(c, f) == kNoCell)
+                add({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(f), 0, 0, 1}, 0, found, scratch);
+        });
   }
 
   std::array<Vec3, 4> ring(const Patch& patch) const {
@@ -80,7 +76,7 @@ class BoundaryWalk {
   FaceNeighbours faces_;
 };
 
-/// The box of a lattice.
+/// The boundary box of a lattice.
 TriangleMesh lattice_boundary(const Lattice& lattice) {
   TriangleMesh mesh;
   const auto corner = [&](std::size_t c) {
@@ -102,7 +98,7 @@ TriangleMesh lattice_boundary(const Lattice& lattice) {
   return mesh;
 }
 
-/// Where cells begin and end along an axis: at the samples, or between them if values belong to cells.
+/// Cell borders along an axis: at the samples, or between them for cell data.
 std::vector<double> cell_borders(const Lattice& lattice, std::size_t axis, bool in_cells) {
   std::vector<double> borders = lattice.axes[axis];
   if (!in_cells) return borders;
@@ -177,7 +173,7 @@ TriangleMesh volume_boundary(const SampledVolume& volume) {
   mesh.origin = volume.bounds().center();
   const BoundaryWalk walk(volume.cells, points);
   std::vector<std::uint32_t> of_corner(points.size(), kNoCell);
-  std::map<std::tuple<float, float, float>, std::uint32_t> of_place;  // corners of parts of faces, which have no number
+  std::map<std::tuple<float, float, float>, std::uint32_t> of_place;  // unnumbered corners of parts of faces
   const auto vertex = [&](const Vec3& x) {
     mesh.vertices.push_back(Vec3f(x - mesh.origin));
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);

@@ -1,4 +1,4 @@
-// The surface of a volume, convex or not: where rays enter and leave it.
+// Boundary surface of a volume, convex or not, where rays enter and leave.
 #pragma once
 
 #include "sansmesh/polyline_set.h"
@@ -7,12 +7,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// Faces that only one cell has, as triangles turned outwards, with shared vertices. Faces between cells of different
-/// size (levels of AMR, borders of blocks) do not count where the other side is covered.
+/// Faces with only one cell, as outward triangles with shared vertices. Faces between cells of different size (AMR
+/// levels, block borders) are excluded where the other side is covered.
 TriangleMesh volume_boundary(const SampledVolume& volume);
 
-/// The edges of these faces, each once: what the grid looks like from outside. Of a lattice the borders of its cells
-/// along its six sides.
+/// The edges of these faces, without duplicates: the grid seen from outside. For a lattice the edges of its cells on
+/// its six sides.
 PolylineSet boundary_edges(const SampledVolume& volume);
 
 }  // namespace sansmesh::inline v1

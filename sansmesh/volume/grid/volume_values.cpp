@@ -12,8 +12,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Gives the samples that are not `known` the mean of the known ones of their stars, those next to them first, ring by
-/// ring; samples that no ring reaches the mean of all.
+/// Sets unknown samples to the mean of the known ones of their stars, ring by ring, nearest first; samples without a
+/// connection to known ones get the mean of all.
 void fill_in(const SampledVolume& volume, std::vector<std::uint8_t>& known, VolumeValues& of) {
   const std::size_t n = of.components;
   std::vector<double> whole(n, 0.0);
@@ -63,9 +63,9 @@ void check_size(const VolumeValues& of, double spacing) {
     throw DataError(
         fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
                     printable(of.name, 60), most));
-  // One component may be next to nothing beside others: what is left in a direction without any flow.
+  // One component may be negligible relative to others: a direction without flow.
   if (most > 0 && most < 1 / kMost)
-    throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
+    throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be distinguished",
                                 printable(of.name, 60), most));
 }
 
@@ -93,13 +93,19 @@ VolumeValues scaled_values(VolumeValues values, std::span<const double> scales) 
   return values;
 }
 
+std::string no_array_named(const std::string& name, std::span<const std::string> available) {
+  std::string list;
+  for (const std::string& other : available) list += (list.empty() ? "" : ", ") + printable(other, 60);
+  return "there is no array '" + printable(name, 60) + "'; " +
+         (list.empty() ? "there are none" : "available are: " + list);
+}
+
 VolumeValues volume_values(const SampledVolume& volume, const std::string& name) {
   const Attribute* const array = volume.attributes.find(name);
   if (!array) {
-    std::string names;
-    for (const Attribute& a : volume.attributes) names += (names.empty() ? "" : ", ") + printable(a.name, 60);
-    throw ArgumentError("there is no array '" + printable(name, 60) + "'; " +
-                        (names.empty() ? "there are none at all" : "those there are: " + names));
+    std::vector<std::string> names;
+    for (const Attribute& a : volume.attributes) names.push_back(a.name);
+    throw ArgumentError(no_array_named(name, names));
   }
   VolumeValues of;
   of.name = name, of.components = array->components;

@@ -20,7 +20,8 @@ using AmlsV = hn::Vec<AmlsTag>;
 
 constexpr std::size_t kAmlsSums = 12;
 
-// Lanes stand for supports. However many a vector has, sums go to sixteen places, which are added in one order.
+// Lanes represent supports. For every vector size sums go to sixteen lanes, which are added in a fixed
+// order. One long function, since its sums must stay in registers.
 template <bool kGradient, bool kLaguerre>
 void SumAmlsT(const float* HWY_RESTRICT blocks, std::size_t count, std::size_t components, std::size_t component,
               const AmlsLaguerre& laguerre, std::span<const Vec3f> points, AmlsSums* HWY_RESTRICT out) {
@@ -49,7 +50,7 @@ void SumAmlsT(const float* HWY_RESTRICT blocks, std::size_t count, std::size_t c
         const auto in = hn::Lt(t, one);
         if (hn::AllFalse(d, in)) continue;
         const auto q = hn::IfThenElseZero(in, hn::Sub(one, t));
-        const auto s = hn::IfThenElseZero(in, t);  // unused lanes are infinitely far
+        const auto s = hn::IfThenElseZero(in, t);  // unused lanes are infinitely far away
         const auto q3 = hn::Mul(hn::Mul(hn::Mul(q, q), q), pn::Exp(hn::Mul(t, hn::Set(d, -kFall))));
         const auto w0 = hn::Mul(q3, q);
         // dw/dt = −(2 (1 − t) + 4) (1 − t)³ e

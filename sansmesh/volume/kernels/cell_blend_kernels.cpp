@@ -22,7 +22,7 @@ using BlendV = hn::Vec<BlendTag>;
 // A number and its gradient.
 template <bool kGradient>
 struct Dual {
-  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  // Not implicit: an implicit constructor is compiled without an instruction set, which fails on ARM.
   HWY_ATTR Dual() {}
   BlendV v;
   BlendV g[kGradient ? 3 : 1];
@@ -62,7 +62,7 @@ HWY_INLINE Dual<kGradient> OneMinus(const Dual<kGradient>& a) {
     for (int k = 0; k < 3; ++k) r.g[k] = hn::Neg(a.g[k]);
   return r;
 }
-// s(t) = t² (3 − 2t), of t held in [0, 1].
+// s(t) = t² (3 − 2t), t clamped to [0, 1].
 template <bool kGradient>
 HWY_INLINE Dual<kGradient> Step(const Dual<kGradient>& a) {
   const BlendTag d;

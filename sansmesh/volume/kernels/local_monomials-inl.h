@@ -1,5 +1,4 @@
-// Values and gradients of polynomials in three variables, many points at a time. Included once for each instruction
-// set.
+// Vectorised values and gradients of polynomials in three variables. Included once for each instruction set.
 #if defined(SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_
 #undef SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_
@@ -46,7 +45,7 @@ HWY_INLINE void SumMonomials(D d, const float* HWY_RESTRICT c, V x, V y, V z, V&
   if (kGradient) gx = g[0], gy = g[1], gz = g[2];
 }
 
-/// The same for a degree that is known only now, 0..4.
+/// The same for a degree known at run time, 0..4.
 template <bool kGradient, class D, class V = hn::Vec<D>>
 HWY_INLINE void SumMonomials(D d, int degree, const float* HWY_RESTRICT c, V x, V y, V z, V& value, V& gx, V& gy,
                              V& gz) {

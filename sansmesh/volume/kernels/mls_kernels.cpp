@@ -14,7 +14,7 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Every product is rounded: fused or not would tell instruction sets apart.
+// Every product is rounded: fused operations would differ between instruction sets.
 using MlsTag = hn::CappedTag<double, 8>;
 using MlsV = hn::Vec<MlsTag>;
 
@@ -23,9 +23,9 @@ constexpr double kDropped = 2e-3;
 
 HWY_INLINE std::size_t Row(std::size_t j) { return j * (j + 1) / 2; }
 
-// u, w and the monomials of a sample at a vector of points; false where none has a weight.
+// u, w and the monomials of a sample at a vector of points; false where all weights are 0.
 struct MlsTerm {
-  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  // Not implicit: an implicit constructor is compiled without an instruction set, which fails on ARM.
   HWY_ATTR MlsTerm() {}
   MlsV d[3], u[3], q, w;
 };
@@ -54,6 +54,7 @@ HWY_INLINE void Monomials(MlsTag d, const MlsV* u, std::size_t terms, MlsV* m) {
   for (std::size_t j = 1; j < terms; ++j) m[j] = hn::Mul(u[kMonomials.variable[j]], m[kMonomials.predecessor[j]]);
 }
 
+// One long function: moments, LDLᵀ and gradients share the same registers and rows.
 void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
               bool gradient, MlsTile& tile) {
   const MlsTag d;
@@ -84,7 +85,7 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
       }
     }
     const auto sum = hn::Load(d, at(0, 0));
-    // A = L D Lᵀ; row j of `a` becomes L, the inverse of D stands in `inverse`. y = L⁻¹ b, e = L⁻¹ (1, 0, …).
+    // A = L D Lᵀ; row j of `a` becomes L, `inverse` holds the inverse of D. y = L⁻¹ b, e = L⁻¹ (1, 0, …).
     MlsV inverse[kMostTerms], y[kMostTerms], e[kMostTerms], solution[kMostTerms], dual[kMostTerms];
     for (std::size_t j = 0; j < terms; ++j) {
       const auto diagonal = hn::Load(d, at(j, j));
@@ -119,7 +120,7 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
     }
     hn::Store(solution[0], d, tile.value + i);
     if (!gradient) continue;
-    // d value = Σ dw_i (λ·m_i) (f_i − c·m_i) for fixed monomials about x; and those move with x.
+    // d value = Σ dw_i (λ·m_i) (f_i − c·m_i) for fixed monomials, plus the change of the monomials with x.
     MlsV g[3] = {zero, zero, zero};
     for (std::size_t k = 0; k < 3 && terms > 1; ++k)
       for (std::size_t l = 0; l < 3; ++l)

@@ -22,12 +22,12 @@ using detail::AmlsSums;
 
 constexpr float kNothing = 1e-20f;
 
-// The supports of cells that were asked for, as long as there is room. Any thread may ask and add.
+// Cache of the supports of cells, with a bounded size. Safe from any thread.
 class KeptSupports {
  public:
   explicit KeptSupports(std::size_t cells) : lists_(cells <= kMostCells ? cells : 0) {}
 
-  /// How many there are, which sample is the cell's own, and the supports; null if the cell is not kept.
+  /// Number of supports, a sample of the cell, and the supports; null if the cell is not cached.
   const std::uint32_t* find(std::size_t cell) const {
     return lists_.empty() ? nullptr : lists_[cell].load(std::memory_order_acquire);
   }
@@ -48,8 +48,8 @@ class KeptSupports {
   }
 
  private:
-  static constexpr std::size_t kMostCells = std::size_t{1} << 21;  // 16 MiB of places
-  static constexpr std::size_t kMostKept = std::size_t{48} << 18;  // 48 MiB of numbers
+  static constexpr std::size_t kMostCells = std::size_t{1} << 21;  // 16 MiB of pointers
+  static constexpr std::size_t kMostKept = std::size_t{48} << 18;  // 48 MiB of indices
   static constexpr std::size_t kPage = std::size_t{1} << 16;
 
   std::vector<std::atomic<const std::uint32_t*>> lists_;
@@ -72,18 +72,18 @@ class AmlsBlend final : public GroupedField {
         kept_(this->volume().lattice ? this->volume().size() : this->volume().cells.size()) {}
 
  private:
-  // A cell with its supports, ready for the kernel.
+  // A cell with its supports in the layout of the kernel.
   struct Ready {
     std::size_t cell = ~std::size_t{0};
     std::uint32_t own = 0;
     Vec3 origin;
     std::size_t blocks = 0;
     std::vector<float> store;
-    const float* floats = nullptr;  // in `store`, on a multiple of 64 bytes
+    const float* floats = nullptr;  // in `store`, aligned to 64 bytes
   };
 
   struct Desk {
-    static constexpr std::size_t kReady = 2048;  // neighbouring rays come back to the same cells
+    static constexpr std::size_t kReady = 2048;  // neighbouring rays visit the same cells again
     std::array<Ready, kReady> ready;
     SupportIndex::Memory found;
     std::vector<std::pair<float, std::uint32_t>> order;
@@ -91,7 +91,7 @@ class AmlsBlend final : public GroupedField {
     std::array<AmlsSums, kMostPoints> sums;
   };
 
-  // A desk for a while: fields are asked often, a few points at a time, and what lies on it is of use again.
+  // A desk on loan: fields are evaluated often, a few points at a time, so that desks are reused.
   struct Borrowed final : Memory {
     explicit Borrowed(const AmlsBlend& field) : from(field) {
       const std::lock_guard lock(from.desks_mutex_);
@@ -151,7 +151,7 @@ class AmlsBlend final : public GroupedField {
     return r;
   }
 
-  // The kernel leaves out blocks of which nothing reaches a point: let those stand together that reach least.
+  // The kernel skips blocks without a support in reach: blocks group supports of similar reach.
   void nearest_first(const Vec3& middle, Desk& desk) const {
     desk.order.clear();
     for (const std::uint32_t i : desk.found.supports)
@@ -184,7 +184,7 @@ class AmlsBlend final : public GroupedField {
     Desk& desk = *static_cast<Borrowed&>(memory).desk;
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();
-    // All of this depends on the cell alone, so that answers do not depend on the points that share it.
+    // All of this depends on the cell alone, so that results do not depend on the other points in the cell.
     const Ready& cell = ready(group.cell, desk);
     if (!wanted.degrees.empty())
       for (std::size_t i = 0; i < n; ++i) wanted.degrees[group.to[i]] = polynomials_.degrees[cell.own];
@@ -204,7 +204,7 @@ class AmlsBlend final : public GroupedField {
         constexpr auto kLeastShare = static_cast<float>(AmlsShape::kLeastShare);
         const bool by_weight = s.weight >= kLeastShare * s.size;
         const float divisor = by_weight ? s.weight : kLeastShare * s.size;
-        double value = 0;  // less the base
+        double value = 0;  // minus the base
         Vec3 g;
         if (divisor > kNothing) {
           const float quotient = s.value / divisor;

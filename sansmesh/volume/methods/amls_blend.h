@@ -13,17 +13,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// Whether the field falls back on the grid's linear interpolation by `trust`: where cells have samples as corners and
-/// fit together.
+/// Whether the field falls back on linear interpolation in the grid by `trust`: requires conforming cells with samples
+/// as corners.
 bool has_linear_share(const SampledVolume& volume);
 
-/// F = T A + (1 − T) L. A = Σ_i φ_i(x) p_i(x) / D(x) over the samples whose ellipsoids hold x, ‖M_i (x − x_i)‖ <
-/// radius_i; a support does not reach across gaps (SupportIndex). L is the linear interpolation of `values`, T that of
-/// the polynomials' `trust`, if has_linear_share(); else T = 1. A is continuous wherever the mesh is connected.
-/// Outside of the volume: from its nearest place on. polynomials: of degree 2 at most, coefficients as they count.
+/// F = T A + (1 − T) L. A = Σ_i φ_i(x) p_i(x) / D(x) over the samples whose ellipsoids contain x, ‖M_i (x − x_i)‖ <
+/// radius_i; a support does not cross gaps (SupportIndex). L is the linear interpolation of `values`, T that of the
+/// polynomials' `trust` if has_linear_share(), else T = 1. A is continuous wherever the mesh is connected. Outside the
+/// volume: continued from its nearest point. polynomials: degree 2 at most, with their final coefficients.
 ///
-/// Which supports reach a cell is found when it is asked for first and kept, up to 64 MiB for all cells. Besides, each
-/// thread that asks has the data of 2048 cells at hand, 12 to 40 MB for one component.
+/// The supports that reach a cell are computed on first use and cached, up to 64 MiB for all cells. In addition each
+/// thread caches 2048 cells, 12 to 40 MB for one component.
 std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
                                              std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,
                                              SharedArray<float> radii, VolumeValues values, const AmlsShape& shape);

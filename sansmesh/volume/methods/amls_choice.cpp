@@ -12,23 +12,24 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/samples/support_index.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostIterations = 20;
-constexpr int kTrialPatience = 5;      // iterations without a gain after which a shape is done with
-constexpr double kTrialGain = 0.96;    // what counts as one, of the sum of squares
-constexpr std::size_t kOneIn = 20;     // samples is left out
-constexpr std::size_t kWhole = 20000;  // samples up to which no patches are cut out
+constexpr int kTrialPatience = 5;      // iterations without a gain that end the trial of a shape
+constexpr double kTrialGain = 0.96;    // a gain is a sum of squares below this factor of the best
+constexpr std::size_t kOneIn = 20;     // one sample in so many is left out
+constexpr std::size_t kWhole = 20000;  // number of samples up to which the whole volume is used
 constexpr std::size_t kPatches = 8, kPatchSamples = 2500;
-constexpr std::size_t kRimRings = 3;  // of a patch that nothing is tested in
+constexpr std::size_t kRimRings = 3;  // width of a patch's rim without tests
 constexpr std::size_t kFewTests = 10;
-constexpr double kCovered = 0.8;  // t of a support up to which a place counts as covered
+constexpr double kCovered = 0.8;  // t of a support up to which a point counts as covered
 constexpr std::uint32_t kElsewhere = 0xffffffffu;
 
-// A number for a place, whatever the order of samples.
+// Hash of a position, independent of the order of samples.
 std::uint64_t place_hash(const Vec3& x) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -37,13 +38,13 @@ std::uint64_t place_hash(const Vec3& x) {
   return h;
 }
 
-// Some of the samples of a volume as one of their own, in which those left out have no neighbours.
+// A subset of the samples as a separate volume, in which the samples left out are no neighbours.
 struct TestVolume {
   SampledVolume volume;
-  std::vector<std::uint32_t> samples;   // that they are in the whole volume, ascending
-  std::vector<std::uint8_t> left_out;   // of each
-  std::vector<std::uint32_t> tests;     // of those left out
-  std::vector<std::uint32_t> local_of;  // of the samples of the whole volume; kElsewhere
+  std::vector<std::uint32_t> samples;   // their indices in the whole volume, ascending
+  std::vector<std::uint8_t> left_out;   // per sample
+  std::vector<std::uint32_t> tests;     // indices of the samples left out
+  std::vector<std::uint32_t> local_of;  // per sample of the whole volume; kElsewhere if not included
 
   std::vector<std::uint32_t> known_around(const SampledVolume& whole, std::size_t local) const {
     std::vector<std::uint32_t> star, known;
@@ -54,7 +55,7 @@ struct TestVolume {
   }
 };
 
-// Connected samples around some that are chosen by their places: which ones, and which of them are not at a rim.
+// Connected patches around seeds chosen by position: the samples, and those not at a rim.
 void grow_patches(const SampledVolume& whole, std::vector<std::uint32_t>& samples, std::vector<std::uint8_t>& inner) {
   const std::size_t n = whole.size();
   if (n <= kWhole) {
@@ -77,7 +78,7 @@ void grow_patches(const SampledVolume& whole, std::vector<std::uint32_t>& sample
     ++patches;
     patch.assign(1, seeds[s].second);
     taken[seeds[s].second] = 1;
-    std::vector<std::size_t> rings{0, 1};  // where they begin
+    std::vector<std::size_t> rings{0, 1};  // begin of each ring
     while (patch.size() < kPatchSamples && rings[rings.size() - 2] < rings.back()) {
       for (std::size_t k = rings[rings.size() - 2]; k < rings.back(); ++k) {
         whole.star(patch[k], star);
@@ -86,7 +87,7 @@ void grow_patches(const SampledVolume& whole, std::vector<std::uint32_t>& sample
       }
       rings.push_back(patch.size());
     }
-    // A patch that ended by itself reaches the borders of its part, or another patch: no rim is left out.
+    // A patch that ended by itself reaches the border of its component, or another patch: it has no rim.
     const bool ended = rings[rings.size() - 2] == rings.back();
     const std::size_t within = ended                      ? patch.size()
                                : rings.size() > kRimRings ? rings[rings.size() - 1 - kRimRings]
@@ -102,13 +103,11 @@ void add_test_cells(const SampledVolume& whole, const TestVolume& test, SampledV
   std::vector<std::uint32_t> corners;
   if (whole.lattice) {
     const auto& axes = whole.lattice->axes;
-    const std::size_t nx = axes[0].size(), nxy = nx * axes[1].size();
     for (const std::uint32_t s : test.samples) {
       const auto at = whole.lattice->indices(s);
-      if (at[0] + 1 == nx || at[1] + 1 == axes[1].size() || at[2] + 1 == axes[2].size()) continue;
+      if (at[0] + 1 == axes[0].size() || at[1] + 1 == axes[1].size() || at[2] + 1 == axes[2].size()) continue;
       corners.clear();
-      for (const std::size_t step : {std::size_t{0}, std::size_t{1}, 1 + nx, nx, nxy, nxy + 1, nxy + 1 + nx, nxy + nx})
-        corners.push_back(local(static_cast<std::uint32_t>(s + step)));
+      for (const std::uint32_t corner : corners_of_lattice_cell(*whole.lattice, s)) corners.push_back(local(corner));
       if (std::find(corners.begin(), corners.end(), kElsewhere) == corners.end())
         part.cells.add(CellShape::hexahedron, corners);
     }
@@ -136,7 +135,7 @@ void add_test_cells(const SampledVolume& whole, const TestVolume& test, SampledV
   }
 }
 
-/// `made_up`: samples whose values are means of their neighbours', ascending. They are not known, and judge nothing.
+/// `made_up`: samples whose values are means of their neighbours, ascending. They are unknown and are not tested.
 TestVolume test_volume(const SampledVolume& whole, std::span<const std::uint32_t> made_up) {
   TestVolume test;
   std::vector<std::uint8_t> inner;
@@ -167,12 +166,12 @@ TestVolume test_volume(const SampledVolume& whole, std::span<const std::uint32_t
   return test;
 }
 
-// What supports of the greatest width there is say at the samples, before anything is known of their width.
+// The supports of largest width at the samples, before their final width is known.
 struct AmlsReach {
   std::vector<std::uint64_t> first{0};
   std::vector<std::uint32_t> columns;
-  std::vector<float> squares;  // (local) distances
-  std::vector<float> rises;    // of the polynomials: components an entry
+  std::vector<float> squares;  // local squared distances
+  std::vector<float> rises;    // values of the polynomials: all components of an entry
 };
 
 AmlsReach reach_of(const SampledVolume& whole, const TestVolume& test, const LocalPolynomials& local,
@@ -316,7 +315,7 @@ void AmlsTrial::run(double epsilon, const std::function<bool(int, std::span<cons
   AmlsIteration iteration(matrix, s.known.values, c);
   std::vector<double> errors(s.test.tests.size() * c);
   for (int n = 0;; ++n, iteration.advance()) {
-    // Samples left out have no column, only rows: what is left there is how far they are missed.
+    // Samples left out have rows but no columns, so their residuals are the prediction errors.
     for (std::size_t t = 0; t < s.test.tests.size(); ++t)
       for (std::size_t m = 0; m < c; ++m) errors[t * c + m] = iteration.residuals()[s.test.tests[t] * c + m];
     if (!go_on(n, errors)) return;
@@ -324,7 +323,7 @@ void AmlsTrial::run(double epsilon, const std::function<bool(int, std::span<cons
 }
 
 float amls_share(float trust) {
-  // τ = 1 / (1 + q), q how doubtful a correction is: its share falls as that of three times as doubtful ones would.
+  // τ = 1 / (1 + q), q the doubt of a correction; the share is that of three times the doubt.
   constexpr float kDoubt = 3, kCertain = 0.25f;
   return std::min(trust / (trust + kDoubt * (1 - trust)) / kCertain, 1.0f);
 }

@@ -1,4 +1,4 @@
-// How wide the functions of amls are, and how often it iterates: what predicts samples best that it was not told.
+// Cross-validation of shape parameter and number of iterations of amls.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +21,15 @@ struct AmlsChoice {
   int iterations = 5;
 };
 
-/// Samples that are left out, one in twenty, chosen by their places, and what is said there by the others. Their values
-/// act on nothing that predicts them: neither local polynomials nor their trust nor the iteration know of them. Large
-/// volumes are judged by eight connected patches, a few thousand samples each, away from their rims: the time does not
-/// grow with the volume.
+/// Cross-validation: one sample in twenty, selected by position, is left out and predicted from the others. The values
+/// left out enter neither the local polynomials nor their trust nor the iteration. For large volumes only eight
+/// connected patches of a few thousand samples each are evaluated, away from their rims, so that the time does not grow
+/// with the volume.
 class AmlsTrial {
  public:
   /// fitted: has the metrics of all samples. least: radii below which supports do not cover the cells of their samples.
-  /// local: what polynomials are fitted with. ε will lie between `widest` and `narrowest`. Samples that the narrowest
-  /// functions hardly reach are not asked. All but phi and the options must outlive it.
+  /// local: options of the polynomials. ε ranges from `widest` to `narrowest`. Samples that the narrowest functions
+  /// hardly reach are not evaluated. All arguments but phi and the options must outlive the object.
   AmlsTrial(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& fitted,
             std::span<const float> least, const LocalPolynomialOptions& local, const AmlsShape& phi, double widest,
             double narrowest, Progress& progress);
@@ -37,10 +37,10 @@ class AmlsTrial {
   AmlsTrial(const AmlsTrial&) = delete;
   AmlsTrial& operator=(const AmlsTrial&) = delete;
 
-  /// Numbers of the samples that are asked.
+  /// Indices of the samples left out.
   const std::vector<std::uint32_t>& left_out() const;
-  /// Calls go_on(n, errors) for n = 0, 1, … iterations while it returns true. errors: value less prediction at the
-  /// samples left out, components each.
+  /// Calls go_on(n, errors) for n = 0, 1, … iterations while it returns true. errors: value minus prediction at the
+  /// samples left out, all components of each.
   void run(double epsilon, const std::function<bool(int n, std::span<const double> errors)>& go_on) const;
 
  private:
@@ -48,15 +48,15 @@ class AmlsTrial {
   std::unique_ptr<State> state_;
 };
 
-/// What is not given of `shape` (one of kAmlsShapes) and `iterations` (0..20) is that of the least sum of squared
-/// errors at samples left out; of nearly equal ones the widest with the fewest iterations. Where too few samples are
-/// left out the numbers above stay.
+/// Chooses whichever of `shape` (one of kAmlsShapes) and `iterations` (0..20) is absent: the least sum of squared
+/// errors at the samples left out; among nearly equal ones the widest functions with the fewest iterations. With too
+/// few samples left out it returns the defaults of AmlsChoice.
 AmlsChoice choose_amls(const AmlsTrial& trial, std::optional<double> shape, std::optional<int> iterations,
                        Progress& progress);
 inline constexpr double kAmlsShapes[] = {0.7, 1.0, 1.5, 2.2};
 
-/// How much of the field is amls and not linear interpolation, 0..1, where polynomials are trusted so much
-/// (LocalPolynomials::trust): all of it from about 1/2 on.
+/// Share of amls in the field, 0..1, for a trust of the polynomials (LocalPolynomials::trust); the rest is linear
+/// interpolation. It is 1 from a trust of about 1/2 on.
 float amls_share(float trust);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,5 @@
-// amls: approximate moving least squares, ellipsoidal, normalised, iterated, with precomputed coefficients.
+// amls: approximate moving least squares, ellipsoidal, normalised, iterated, with precomputed coefficients (tejada2008,
+// 6.3).
 #include <algorithm>
 #include <iterator>
 #include <memory>
@@ -19,10 +20,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Local polynomials, the choice of shape and iterations where they were not chosen, and the iterated constants.
+// Local polynomials, missing shape and iterations, and the iterated constants.
 ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const AmlsShape& phi, AmlsChoice& choice) {
   const SampledVolume& volume = *input.volume;
-  // What is known at the samples besides their values: gradients and second derivatives.
+  // The local polynomials supply gradients and second derivatives at the samples.
   LocalPolynomialOptions how;
   how.fit.max_degree = 2;
   how.fit.robust = false;
@@ -50,7 +51,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   AmlsIteration iteration(matrix, input.values.values, input.values.components);
   for (int k = 0; k < choice.iterations; ++k) iteration.advance();
   local.constants = iteration.coefficients();
-  // How far what the samples become, with the polynomials about them, agrees between neighbours.
+  // Agreement between neighbours of the iterated constants with their polynomials.
   std::vector<float> trust(volume.size(), 1.0f);
   if (has_linear_share(volume)) {
     std::vector<double> reached = input.values.values;
@@ -88,7 +89,7 @@ namespace {
 constexpr std::string_view kAmlsUses[] = {"iterations", "epsilon", "order", "spherical"};
 constexpr VolumeMethod kAmlsMethods[] = {
     {.name = "amls",
-     .summary = "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
+     .summary = "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth method",
      .grids = "all",
      .make = make_amls_field,
      .uses = kAmlsUses,

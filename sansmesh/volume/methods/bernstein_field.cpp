@@ -1,4 +1,4 @@
-// Cubic splines in Bernstein–Bézier form on tetrahedra (METHODS §6.3; lai2007).
+// Cubic splines in Bernstein–Bézier form on tetrahedra (lai2007; tejada2008, ch. 6).
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -19,15 +19,15 @@ namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
-/// One tetrahedron of it: values and gradients at its corners, the barycentric coordinates of a place and their
-/// gradients (`gradient` null: not wanted).
+/// Evaluates one tetrahedron from values and gradients at its corners, barycentric coordinates and their gradients
+/// (`gradient` null: not requested).
 double bernstein_cubic(std::span<const Vec3, 4> corners, std::span<const double, 4> values,
                        std::span<const Vec3, 4> slopes, std::span<const double, 4> place,
                        std::span<const Vec3, 4> place_gradients, Vec3* gradient) {
   const auto& l = place;
   double value = 0;
   std::array<double, 4> by{};  // derivatives by the barycentric coordinates
-  double edge[4][4] = {};      // edge[i][j]: the control value on the edge from i to j, next to i
+  double edge[4][4] = {};      // edge[i][j]: control value on the edge from i to j, next to i
   for (std::size_t i = 0; i < 4; ++i) {
     value += l[i] * l[i] * l[i] * values[i];
     by[i] += 3 * l[i] * l[i] * values[i];
@@ -55,13 +55,11 @@ double bernstein_cubic(std::span<const Vec3, 4> corners, std::span<const double,
   return value;
 }
 
-/// A cubic on each tetrahedron by 20 control values: the samples, on edges what the gradients at both ends say, on
-/// faces a quarter of the sum of the six on its edges less a sixth of that of its corners. These depend on the face
-/// alone: the spline is continuous, its derivatives are so at samples and along edges but not quite across faces.
-/// Quadratic functions are reproduced where the gradients are exact for them (sample_gradients.h; on lattices parabolas
-/// through three samples). Cells that are no tetrahedra are cut, alike on both sides of a face (cell_tetrahedra.h;
-/// cells of lattices in six about their main diagonal). Samples in cells: of their values at the corners
-/// (corner_volume.h).
+/// A cubic on each tetrahedron by 20 control values from the samples and their gradients
+/// (docs/methods/volume-baselines.md). Control values on a face depend only on the face: the spline is continuous, with
+/// continuous derivatives at samples and along edges but not quite across faces. Quadratic functions are reproduced
+/// where the gradients are exact for them (sample_gradients.h). Other cells are split into tetrahedra
+/// (cell_tetrahedra.h); cell data are converted to corner values (corner_volume.h).
 class BernsteinTetrahedra final : public PointwiseField {
  public:
   BernsteinTetrahedra(std::shared_ptr<const SampledVolume> tetrahedra, VolumeValues values, std::vector<Vec3> slopes)
@@ -92,7 +90,7 @@ class BernsteinTetrahedra final : public PointwiseField {
   std::vector<Vec3> slopes_;
 };
 
-/// The same on a lattice: nothing is stored but the samples.
+/// The same on a lattice, without storage besides the samples.
 class BernsteinLattice final : public PointwiseField {
  public:
   BernsteinLattice(std::shared_ptr<const SampledVolume> sampled, VolumeValues values)
@@ -113,7 +111,7 @@ class BernsteinLattice final : public PointwiseField {
       h[k] = axis[at[k] + 1] - axis[at[k]];
       u[k] = std::clamp((a[k] - axis[at[k]]) / h[k], 0.0, 1.0);
     }
-    // From the cell's first corner to its last along the axes in the order of falling coordinates.
+    // From the cell's first corner to its last, along the axes in the order of descending coordinates.
     std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return u[i] != u[j] ? u[i] > u[j] : i < j; });
     std::array<std::array<std::size_t, 3>, 4> corner;
@@ -150,7 +148,7 @@ class BernsteinLattice final : public PointwiseField {
   }
 
  private:
-  /// Along an axis at the knot whose sample is `here`.
+  /// Slope along an axis at the knot with the sample `here`.
   static double slope(const CubicAxis& axis, std::size_t knot, const double* here, std::size_t step) {
     std::size_t first = 0;
     const auto& weights = axis.slope_at(knot, first);

@@ -1,4 +1,4 @@
-// How far polynomials about samples agree inside of cells: what tells how much of them to take.
+// Agreement of sample polynomials inside cells, which determines their trust.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@
 
 namespace sansmesh::inline v1 {
 
-/// At the places that are farthest from the samples around, the middles of cells whose corners are samples, and the
-/// corners of cells that samples are in: by how much the mean of their polynomials corrects linear interpolation, and
-/// how far each of them is from that mean. Corners on the surface of the volume, where all is extrapolated, are asked
-/// of the polynomials of the next samples, too.
+/// Compares polynomials at the points farthest from the samples: the centres of cells whose corners are samples, or the
+/// corners of cells that contain samples. It measures by how much the mean of the polynomials corrects linear
+/// interpolation, and the deviation of each polynomial from that mean. At corners on the surface of the volume all
+/// polynomials extrapolate, so those of the next samples are included.
 class CellAgreement {
  public:
-  /// Of a sample: means over its places, sums over components.
+  /// Per sample: means over its points, summed over components.
   struct Share {
     double gain = 0;   ///< squares of the correction
-    double doubt = 0;  ///< squares of how far the sample's own polynomial is from the mean
+    double doubt = 0;  ///< squares of the deviation of the sample's own polynomial from the mean
   };
 
-  /// What a sample's polynomial is at a place: of a sample, a component, the place.
+  /// Value of a sample's polynomial: (sample, component, point).
   using Polynomials = std::function<double(std::size_t, std::size_t, const Vec3&)>;
 
-  CellAgreement() = default;  ///< of no cells: nothing
-  /// Of lattices there is nothing. Places where a polynomial is of one side of a step (`split`, one entry a sample) do
-  /// not count. `volume` must outlive it. Runs in parallel.
+  CellAgreement() = default;  ///< without cells, all shares are 0
+  /// Empty for lattices. Points with a one-sided polynomial (`split`, one entry per sample) are skipped. `volume` must
+  /// outlive the object. Runs in parallel.
   CellAgreement(const SampledVolume& volume, const VolumeValues& values, const Polynomials& p,
                 std::span<const std::uint8_t> split);
 
@@ -41,8 +41,8 @@ class CellAgreement {
   void ask_corners(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split);
 
   const SampledVolume* volume_ = nullptr;
-  Adjacency cells_;            // of samples
-  std::vector<Share> shares_;  // of the corners of cells, numbered as in CellList
+  Adjacency cells_;            // cells of each sample
+  std::vector<Share> shares_;  // per corner of cells, in the order of CellList
 };
 
 }  // namespace sansmesh::inline v1

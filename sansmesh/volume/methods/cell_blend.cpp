@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/methods/grouped_field.h"
 
 namespace sansmesh::inline v1 {
@@ -32,14 +33,14 @@ class CellBlend final : public GroupedField {
     CellTile& tile = static_cast<Tile&>(memory).tile;
     const std::size_t n = group.size, c = components(), count = group.cell.corner_count;
     const std::span<const std::uint32_t> samples = std::span(group.cell.corners).first(count);
-    const CellShape shape = shape_of(group.cell.cell);
+    const CellShape shape = shape_of_cell(volume(), group.cell.cell);
     const bool gradient = !wanted.gradients.empty();
     std::array<CellCorner, 8> corners;
     std::array<Vec3, 8> positions;
-    for (std::size_t v = 0; v < count; ++v) positions[v] = corner(samples[v]);
+    for (std::size_t v = 0; v < count; ++v) positions[v] = corner_position(volume(), samples[v]);
     double base = polynomials_->corners(samples, 0, corners);
 
-    constexpr std::size_t kRow = 16;  // what the widest vectors read
+    constexpr std::size_t kRow = 16;  // read by the widest vectors
     const std::size_t filled = (n + kRow - 1) / kRow * kRow;
     for (std::size_t i = 0; i < filled; ++i) {
       const std::size_t p = std::min(i, n - 1);
@@ -75,7 +76,7 @@ class CellBlend final : public GroupedField {
     }
   }
 
-  // How far a point goes outside: half a local length at most.
+  // Limits the offset outside the volume to half a local length.
   static Vec3 held(const Vec3& out, const StarMetric& metric) {
     const double length = norm(metric(out));
     if (!std::isfinite(length)) return {};

@@ -13,13 +13,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Weights of samples whose sum is the value at `x` of the plane of least squares through them. Directions in which
-/// they do not extend count as constant.
+/// Weights of samples for the value at `x` of their least-squares plane. It is constant in directions without extent.
 void plane_weights(std::span<const Vec3> samples, const Vec3& x, std::vector<double>& weights) {
   const std::size_t n = samples.size();
   Vec3 middle;
   for (const Vec3& p : samples) middle += p / static_cast<double>(n);
-  // Near samples count more: a thin layer beside a thick one keeps its say.
+  // Near samples have larger weights, so that a thin layer next to a thick one keeps its influence.
   std::vector<double> nearness(n);
   double scale = 0;
   for (const Vec3& p : samples) scale += norm(p - x) / static_cast<double>(n);
@@ -62,16 +61,8 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   const std::size_t corners = volume.corners.size(), n = values.components;
   const Adjacency around = cells_of_points(volume.cells, corners);
   outer_.assign(corners, 0);
-  {
-    const auto across = face_neighbours(volume.cells, corners);
-    for (std::size_t c = 0; c < volume.cells.size(); ++c) {
-      const auto faces = cell_faces(volume.cells.shapes[c]);
-      for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (across[kMostFaces * c + f] != kNoCell) continue;
-        for (std::size_t k = 0; k < faces[f].count; ++k) outer_[volume.cells[c][faces[f].corner[k]]] = 1;
-      }
-    }
-  }
+  for (const std::uint32_t face : open_faces(volume.cells, corners))
+    for (const std::uint32_t p : ring_of_face(volume.cells, face)) outer_[p] = 1;
   at_corners_.resize(corners * n);
   parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> samples;
@@ -113,9 +104,9 @@ void CellInterpolant::evaluate(const VolumePlace& place, const Vec3& x, std::spa
   const Vec3 tip = volume_.positions[sample], d = x - tip;
   const auto corners = volume_.cells[place.cell];
   const auto faces = cell_faces(volume_.cells.shapes[place.cell]);
-  // The tetrahedron that holds x, or the one that x is least outside of.
+  // The tetrahedron that contains x, or the one with the smallest violation.
   double best = -std::numeric_limits<double>::infinity();
-  Vec3 share;  // of the middle or third corner, of the first and of the second one
+  Vec3 share;  // weights of the face centre or third corner, of the first and of the second corner
   Matrix3 edges{{}, {}, {}};
   std::size_t face = 0, side = 0;
   for (std::size_t f = 0; f < faces.size() && !(best >= 0); ++f) {

@@ -1,4 +1,4 @@
-// Samples in cells as a continuous function: what `linear` is where values belong to cells.
+// Cell data as a continuous function: `linear` for cell data.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,24 @@
 
 namespace sansmesh::inline v1 {
 
-/// Linear on tetrahedra between the sample of a cell, a face's middle and two of its corners. Values at corners are
-/// those of the plane of least squares through the samples of the cells around, within the range of these; at the
-/// surface of the volume through the next ones, too, and beyond their range by at most one and a half times it, so that
-/// linear functions are reproduced up to the surface. Values in the middle of a face are the means of its corners.
+/// Linear on tetrahedra between the sample of a cell, a face centre and two corners of the face. Corner values come
+/// from the least-squares plane of the samples in the adjacent cells, clamped to their range; at the surface of the
+/// volume from the next ones too, with at most one and a half times the range beyond it, so that linear functions are
+/// reproduced up to the surface. The value at a face centre is the mean of the face corners.
 class CellInterpolant {
  public:
-  /// `volume` has samples in cells and is no lattice; both must outlive it.
+  /// `volume` has cell data and is no lattice; both must outlive the object.
   CellInterpolant(const SampledVolume& volume, const VolumeValues& values);
 
-  /// At x in (or near) the cell of a place; values and gradients (if wanted) have one entry a component.
+  /// At x in (or near) the located cell; values and gradients (if requested) have one entry per component.
   void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const;
 
-  /// The value at a corner of cells, and whether that is on the surface of the volume, where values go beyond samples.
+  /// The value at a cell corner, and whether the corner is on the surface of the volume, where values extrapolate.
   double at_corner(std::size_t corner, std::size_t component) const {
     return at_corners_[corner * values_.components + component];
   }
   bool is_outer(std::size_t corner) const { return outer_[corner] != 0; }
-  /// Takes another value at a corner of cells than the plane's.
+  /// Overrides the plane's value at a cell corner.
   void set_at_corner(std::size_t corner, std::size_t component, double value) {
     at_corners_[corner * values_.components + component] = value;
   }

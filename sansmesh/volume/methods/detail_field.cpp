@@ -1,4 +1,4 @@
-// mls-detail: robust local polynomials of adaptive degree, blended.
+// mls-detail: robust local polynomials of adaptive degree, blended (tejada2008, 6.2).
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ namespace {
 constexpr std::string_view kMlsDetailUses[] = {"degree", "robust"};
 constexpr VolumeMethod kDetailMethods[] = {
     {.name = "mls-detail",
-     .summary = "robust polynomials about samples, of the degree that predicts best, blended",
+     .summary = "robust polynomials at samples, of the degree that predicts best, blended",
      .grids = "all",
      .make = make_mls_detail_field,
      .uses = kMlsDetailUses,

@@ -6,12 +6,14 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/grid/point_order.h"
+#include "sansmesh/volume/methods/pointwise_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-// Below the number from which on the locator sorts.
+// Below the number of points from which the locator sorts.
 constexpr std::size_t kBlockPoints = 2000;
 constexpr std::uint64_t kOutside = 1u << 31;
 
@@ -23,7 +25,7 @@ struct GroupedField::Block {
   std::vector<VolumePlace> places;
   std::vector<std::uint64_t> keys;
   std::unique_ptr<Memory> memory;
-  // Of a group outside.
+  // Answers of a group outside the volume.
   std::vector<double> values;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> degrees;
@@ -39,10 +41,9 @@ void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> foun
 
 void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
   const std::size_t n = x.size(), c = components_;
-  const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
-  if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
-      !fits(wanted.degrees.size(), 1))
-    throw ArgumentError("VolumeField: the answers are not as many as the points");
+  if (!detail::answers_fit({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
+      (!wanted.degrees.empty() && wanted.degrees.size() != n))
+    throw ArgumentError("VolumeField: the numbers of answers and points differ");
   const auto order = locality_order(x);
   parallel_ranges(0, (n + kBlockPoints - 1) / kBlockPoints, 1, [&](std::size_t begin, std::size_t end) {
     Block block;
@@ -53,7 +54,7 @@ void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers
 }
 
 void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
-  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: the numbers of spacings and points differ");
   std::vector<VolumePlace> places(x.size());
   locator_->locate(x, places);
   parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });
@@ -95,7 +96,8 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
       group.out[group.size] = {};
       if (place.inside) continue;
       Vec3 near;
-      for (std::size_t v = 0; v < place.corner_count; ++v) near += corner(place.corners[v]) * place.weights[v];
+      for (std::size_t v = 0; v < place.corner_count; ++v)
+        near += corner_position(*volume_, place.corners[v]) * place.weights[v];
       group.x[group.size] = near;
       group.out[group.size] = s.x[p] - near;
     }

@@ -1,4 +1,4 @@
-// Fields that are evaluated cell by cell: points are located, and those of a cell answered together.
+// Base class of fields that answer all points of a cell together.
 #pragma once
 
 #include <array>
@@ -28,35 +28,30 @@ class GroupedField : public VolumeField, public DegreeField {
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
-  static constexpr std::size_t kMostPoints = 64;  ///< of a group
+  static constexpr std::size_t kMostPoints = 64;  ///< per group
 
-  /// What a thread keeps between groups.
+  /// Per-thread state, kept between groups.
   struct Memory {
     virtual ~Memory() = default;
   };
-  /// Points of one cell. Those outside of the volume are at their nearest place of it; `out` tells how far they are.
+  /// Points of one cell. A point outside the volume is replaced by its nearest point in it; `out` is the difference.
   struct Group {
-    const VolumePlace& cell;  ///< the first place
+    const VolumePlace& cell;  ///< location of the first point
     std::size_t size = 0;
     std::array<const VolumePlace*, kMostPoints> places;
     std::array<Vec3, kMostPoints> x, out;
-    std::array<std::uint32_t, kMostPoints> to;  ///< numbers of the points in the answers
+    std::array<std::uint32_t, kMostPoints> to;  ///< indices of the points in the answers
   };
 
   virtual std::unique_ptr<Memory> memory() const = 0;
-  /// Puts in values, gradients and degrees, what is wanted of them. An answer must not depend on the others.
+  /// Writes the requested values, gradients and degrees. The answer at a point must not depend on the other points.
   virtual void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const = 0;
 
-  /// Whether values outside go on straight from the nearest places (held_outside), which answer() is asked for then.
-  /// Otherwise it heeds `out` itself.
+  /// Whether values outside continue linearly from the nearest points (held_outside); answer() then evaluates those.
+  /// Otherwise answer() uses `out` itself.
   virtual bool goes_on_straight() const { return false; }
 
   const SampledVolume& volume() const { return *volume_; }
-  CellShape shape_of(std::size_t cell) const {
-    return volume_->lattice ? CellShape::hexahedron : volume_->cells.shapes[cell];
-  }
-  /// Of a corner of a cell, as places have them.
-  Vec3 corner(std::uint32_t c) const { return volume_->lattice ? volume_->lattice->position(c) : volume_->corner(c); }
 
  private:
   struct Block;

@@ -1,5 +1,5 @@
-// Products of reconstructions along the axes of a lattice: the BC family, windowed sinc, Lagrange (METHODS §6.3).
-// Values of cells are at the cells' centres: half a step beyond the first and the last one belongs to the volume.
+// Tensor-product reconstructions on a lattice: BC family (mitchell1988), windowed sinc, Lagrange (tejada2008, ch. 6).
+// Cell data are at the cell centres: the volume extends half a step beyond the first and the last one.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -25,7 +25,7 @@ struct ValueGradient {
   double value = 0, x = 0, y = 0, z = 0;
 };
 
-/// Rows of NX samples whose components are `stride` numbers apart. NX = 0: as many as w says.
+/// Rows of NX samples whose components are `stride` numbers apart. NX = 0: the number is that of w.
 template <std::size_t NX>
 ValueGradient tensor_sum(const double* f, std::size_t stride, std::size_t row, std::size_t slab,
                          const std::array<AxisWeights, 3>& w) {
@@ -60,10 +60,10 @@ class LatticeField final : public PointwiseField {
     if (components() != 1 || wanted.values.size() != x.size() ||
         (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) || !wanted.inside.empty())
       return PointwiseField::evaluate(x, wanted);
-    // What pictures ask for, a value and its gradient at many points, goes the shortest way.
+    // Fast path for pictures: a value and its gradient at many points.
     const Lattice& lattice = *volume().lattice;
     parallel_ranges(0, x.size(), kLatticeGrain, [&](std::size_t first, std::size_t last) {
-      const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
+      const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
       std::vector<Vec3> outside;
       std::vector<std::size_t> of;
       for (std::size_t i = first; i < last; ++i) {
@@ -123,7 +123,7 @@ const Lattice& lattice_of(const SampledVolume& volume, const char* method, bool 
   return *volume.lattice;
 }
 
-/// Makes the field with an axis for each set of coordinates.
+/// Makes the field, with one axis object per set of coordinates.
 template <class Axis, class MakeAxis>
 std::unique_ptr<VolumeField> lattice_field(ReconstructionInput& input, const MakeAxis& make) {
   const Lattice& lattice = *input.volume->lattice;

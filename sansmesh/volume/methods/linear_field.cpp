@@ -1,4 +1,4 @@
-// The grid's own interpolation, and the nearest sample.
+// Interpolation in the grid's cells, and nearest-neighbour interpolation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cells/axis_interval.h"
 #include "sansmesh/volume/cells/box_tree.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/grid/point_order.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
 #include "sansmesh/volume/methods/pointwise_field.h"
@@ -19,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kInLattice = 1024;  // points that a thread answers together
+constexpr std::size_t kInLattice = 1024;  // points per task of a thread
 
 class LinearField final : public detail::LocatedField {
  public:
@@ -29,9 +30,7 @@ class LinearField final : public detail::LocatedField {
 
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
     const std::size_t n = components();
-    const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
-    const bool lattice = volume().lattice && fits(wanted.values.size(), x.size() * n) &&
-                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size());
+    const bool lattice = volume().lattice && detail::answers_fit(wanted, x.size(), n);
     if (lattice && n == 1) return in_lattice<1>(x, wanted);
     if (lattice && n == 2) return in_lattice<2>(x, wanted);
     if (lattice && n == 3) return in_lattice<3>(x, wanted);
@@ -39,10 +38,10 @@ class LinearField final : public detail::LocatedField {
   }
 
  private:
-  /// What is asked for most, a few components in lattices, goes the shortest way.
+  /// Fast path for lattices with few components.
   template <std::size_t N>
   void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
-    const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
+    const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
       std::array<double, N> value_store;
@@ -57,7 +56,7 @@ class LinearField final : public detail::LocatedField {
     });
   }
 
-  /// Values at x, gradients if they are wanted; whether it is inside. Outside as answer_at().
+  /// Values at x, gradients if `wanted`; returns whether x is inside. Outside as answer_at().
   template <std::size_t N>
   bool at_lattice(const Vec3& x, double slack, double* values, Vec3* gradients, bool wanted) const {
     if (!is_finite(x)) {
@@ -124,7 +123,7 @@ class LinearField final : public detail::LocatedField {
       }
       return;
     }
-    // Outside the place that counts is the nearest one, from where the function goes on a little.
+    // Outside, the function continues a little from the nearest point.
     Vec3 beyond, at = x;
     if (!place.inside) {
       at = position_of(place);
@@ -171,7 +170,7 @@ class LinearField final : public detail::LocatedField {
         if (const double more = dot(g[k], beyond); std::isfinite(more)) v[k] += more;
   }
 
-  /// Vectors, inside: what particles ask for.
+  /// Fast path for vectors inside, as used by particles.
   void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const {
     const double* const all = samples().values.data();
     std::array<Vec3, 8> of;
@@ -192,15 +191,11 @@ class LinearField final : public detail::LocatedField {
     std::copy(g.begin(), g.end(), wanted.gradients.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
-  Vec3 corner(const VolumePlace& place, std::size_t c) const {
-    return volume().lattice ? volume().lattice->position(place.corners[c]) : volume().corner(place.corners[c]);
-  }
-
   double shortest_edge(const VolumePlace& place) const {
     double least = std::numeric_limits<double>::infinity();
-    const CellShape shape = volume().lattice ? CellShape::hexahedron : volume().cells.shapes[place.cell];
-    for (const auto& edge : cell_edges(shape))
-      least = std::min(least, squared_norm(corner(place, edge[0]) - corner(place, edge[1])));
+    const auto corner = [&](std::size_t c) { return corner_position(volume(), place.corners[c]); };
+    for (const auto& edge : cell_edges(shape_of_cell(volume(), place.cell)))
+      least = std::min(least, squared_norm(corner(edge[0]) - corner(edge[1])));
     return std::sqrt(least);
   }
 
@@ -256,7 +251,7 @@ namespace {
 constexpr VolumeMethod kLinearMethods[] = {
     {.name = "nearest", .summary = "the value of the nearest sample", .grids = "all", .make = make_nearest_field},
     {.name = "linear",
-     .summary = "the grid's own: trilinear in hexahedra, barycentric in tetrahedra",
+     .summary = "interpolation in the grid's cells: trilinear in hexahedra, barycentric in tetrahedra",
      .grids = "all",
      .make = make_linear_field}};
 

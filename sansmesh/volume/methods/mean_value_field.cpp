@@ -1,9 +1,10 @@
-// Mean value coordinates in the cell that holds a point (floater2005, ju2005; METHODS §6.3).
+// Mean value coordinates in the cell around a point (floater2005, ju2005).
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include "sansmesh/volume/cells/axis_interval.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/cells/cell_tetrahedra.h"
 #include "sansmesh/volume/cells/mean_value.h"
 #include "sansmesh/volume/grid/corner_volume.h"
@@ -15,13 +16,12 @@ namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
-/// f(x) = Σ λ_c(x) f_c over the corners of the cell around x, convex or not, whose quadrilateral faces are two
-/// triangles each, the same ones on both sides; which cell holds x is decided by these triangles. Interpolates, is
-/// continuous and reproduces straight functions; in tetrahedra it is linear interpolation. Samples in cells: of their
-/// values at the corners (corner_volume.h).
+/// f(x) = Σ λ_c(x) f_c over the corners of the cell around x, convex or not. Quadrilateral faces are split into two
+/// triangles, which also decide which cell contains x. In tetrahedra it is linear interpolation. Cell data are
+/// converted to corner values (corner_volume.h).
 class MeanValueField final : public WeightedField {
  public:
-  /// `cut`: the cells in tetrahedra; of a lattice not needed.
+  /// `cut`: the cells as tetrahedra; not needed for a lattice.
   MeanValueField(CornerSamples corners, const TetrahedralVolume& cut)
       : WeightedField(cut.volume ? cut.volume : corners.volume, std::move(corners.values)),
         cells_(std::move(corners.volume)),
@@ -44,14 +44,13 @@ class MeanValueField final : public WeightedField {
       }
       constexpr std::array<std::array<std::size_t, 3>, 8> kRing{
           {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
-      std::array<std::uint32_t, 8> samples;
-      const std::size_t nx = lattice.axes[0].size(), ny = lattice.axes[1].size();
+      const std::array<std::uint32_t, 8> samples =
+          corners_of_lattice_cell(lattice, at[0] + lattice.axes[0].size() * (at[1] + lattice.axes[1].size() * at[2]));
       for (std::size_t c = 0; c < 8; ++c) {
         const auto& [i, j, k] = kRing[c];
-        samples[c] = static_cast<std::uint32_t>(at[0] + i + nx * (at[1] + j + ny * (at[2] + k)));
         corners[c] = {lattice.axes[0][at[0] + i], lattice.axes[1][at[1] + j], lattice.axes[2][at[2] + k]};
       }
-      // On the axes, as if these were not mirrored.
+      // On the unmirrored axes.
       face_triangles(CellShape::hexahedron, samples, triangles);
       mean_value_weights(corners, triangles, a, found, slopes ? std::span<Vec3>(gradients) : std::span<Vec3>());
       for (std::size_t c = 0; c < 8; ++c) {
@@ -79,7 +78,7 @@ class MeanValueField final : public WeightedField {
 
  private:
   std::shared_ptr<const SampledVolume> cells_;
-  std::vector<std::uint32_t> cell_of_;  // of the tetrahedra of volume()
+  std::vector<std::uint32_t> cell_of_;  // per tetrahedron of volume()
 };
 
 }  // namespace

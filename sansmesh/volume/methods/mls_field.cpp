@@ -1,4 +1,4 @@
-// mls: moving least squares about each point.
+// mls: moving least squares at each query point (tejada2008, 3.2).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,14 +30,14 @@ using detail::MlsSample;
 using detail::MlsTile;
 
 constexpr double kSamplesPerTerm = 4, kWidest = 4;
-// Variance of a value in units of that of a weighted mean. With samples all around it is kAllAround, of the weights (1
-// − r²)⁴ by degree. From kDoubtful times that on, at boundaries, linear interpolation takes over, and from kUseless on
-// it is all.
-constexpr double kAllAround[] = {3.3, 3.3, 3.3, 3.3, 7.3};  // (that of planes is 1: they are doubted later)
+// Variance of a value in units of that of a weighted mean. Inside the samples it is kAllAround, by degree, for weights
+// (1 − r²)⁴. At boundaries, linear interpolation takes over from kDoubtful times that on, and replaces it entirely from
+// kUseless on.
+constexpr double kAllAround[] = {3.3, 3.3, 3.3, 3.3, 7.3};  // (planes have 1: they are doubted later)
 constexpr double kDoubtful = 1.5, kUseless = 6;
 
-// Radii of the samples' weights, in the local metrics: cells that a sample belongs to lie well inside, and each reaches
-// as many samples as a fit needs.
+// Radii of the samples' weights in the local metrics: the cells of a sample are well inside, and each radius reaches as
+// many samples as a fit needs.
 std::vector<float> mls_radii(const SampledVolume& volume, std::span<const StarMetric> metrics, int degree,
                              const LocalPolynomials& covered, std::optional<double> asked) {
   std::vector<float> radii = support_radii(volume, covered, 1);
@@ -47,10 +47,10 @@ std::vector<float> mls_radii(const SampledVolume& volume, std::span<const StarMe
     return radii;
   }
   if (volume.lattice) {
-    // Steps are 1 in the local metric: so many are in a ball of this radius.
+    // Steps are 1 in the local metric: the ball of this radius contains `enough` samples.
     const double radius = std::cbrt(enough / (4.0 / 3 * 3.14159265358979));
     parallel_for(0, radii.size(), 8192, [&](std::size_t i) {
-      // Half the ball is empty on each boundary.
+      // Half the ball is empty at each boundary.
       const auto at = volume.lattice->indices(i);
       double r = radius;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -88,8 +88,9 @@ class MlsField final : public GroupedField {
         index_(volume(), metrics_, radii_),
         degree_(degree) {}
 
-  /// What linear interpolation adds, f_i − M f(x_i), where samples are corners of cells; and which share of what M f
-  /// adds to linear interpolation is taken, so that it is not worse than that. `local` are those of mls-detail.
+  /// Computes the residuals f_i − M f(x_i), which linear interpolation adds where samples are cell corners, and the
+  /// share of the correction of linear interpolation by M f that does not increase errors. `local`: polynomials of
+  /// mls-detail.
   void prepare(const LocalPolynomials& local, Progress& progress) {
     const bool at_corners = volume().cell_sample.empty();
     if (at_corners)
@@ -102,9 +103,9 @@ class MlsField final : public GroupedField {
   }
 
  private:
-  static constexpr std::size_t kRow = 8;  // what the widest vectors read
+  static constexpr std::size_t kRow = 8;  // read by the widest vectors
 
-  // Of a point: linear interpolation of the samples, and of the shares.
+  // Linear interpolation of the samples and of the shares at a point.
   struct Flat {
     double share = 1;
     Vec3 share_slope;
@@ -121,11 +122,9 @@ class MlsField final : public GroupedField {
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
   bool goes_on_straight() const override { return true; }
 
-  StarMetric metric(std::size_t i) const {
-    return volume().lattice ? lattice_metric(*volume().lattice, i) : metrics_[i];
-  }
+  StarMetric metric(std::size_t i) const { return metric_of(volume(), metrics_, i); }
 
-  // The samples that count in a cell; returns the origin of the cell.
+  // Gathers the supports that reach a cell; returns the origin of the cell.
   Vec3 gather(const VolumePlace& cell, Lists& lists) const {
     const Vec3 origin = index_.of_cell(cell, lists.found);
     lists.samples.resize(lists.found.supports.size());
@@ -139,7 +138,7 @@ class MlsField final : public GroupedField {
     return origin;
   }
 
-  // M f for one component at points, padded to whole rows, less the value that is returned.
+  // M f for one component at points, padded to whole rows, minus the returned value.
   template <class At>
   double solve(Lists& lists, const Vec3& origin, std::size_t component, std::size_t n, const At& at,
                bool gradient) const {
@@ -156,7 +155,7 @@ class MlsField final : public GroupedField {
     return base;
   }
 
-  // Of M f where noise at the samples would be of that variance.
+  // Share of M f for that variance of unit noise at the samples.
   double steady_share(double variance) const {
     if (variance < 0) return 0;
     const double v = variance / kAllAround[degree_];
@@ -177,9 +176,9 @@ class MlsField final : public GroupedField {
     residuals_ = std::move(residuals);
   }
 
-  // In each cell, half-way from its middle to its corners, the correction a that M f is to linear interpolation and the
-  // one that local polynomials are, c, of which the share t is likely. Of a the share τ is taken that makes Σ a² (τ a −
-  // t c)² least over the cells of a sample: large corrections count most, since they make the largest errors.
+  // Half-way from the centre of each cell to its corners: a is the correction of linear interpolation by M f, c the one
+  // by local polynomials, of which the share t is likely. τ minimises Σ a² (τ a − t c)² over the cells of a sample:
+  // large corrections count most, since they make the largest errors.
   std::vector<double> confirmed_shares(const LocalPolynomials& local, Progress& progress) const {
     const std::size_t c = components(), n = volume().size();
     const bool at_corners = volume().cell_sample.empty();
@@ -190,13 +189,13 @@ class MlsField final : public GroupedField {
     each_cell(sums.size(), "corrections", progress, [&](std::size_t k, Lists& lists) {
       const VolumePlace place = place_of_cell(volume(), nth_cell(volume(), k));
       const std::size_t count = place.corner_count;
-      const CellShape shape = shape_of(place.cell);
+      const CellShape shape = shape_of_cell(volume(), place.cell);
       std::array<Vec3, 8> x{};
       std::array<std::array<double, 8>, 8> weights{};
       for (std::size_t p = 0; p < count; ++p) {
         for (std::size_t v = 0; v < count; ++v) weights[p][v] = 0.5 / static_cast<double>(count) + (v == p ? 0.5 : 0);
         shape_functions(shape, parameters_of(shape, weights[p]), weights[p]);
-        for (std::size_t v = 0; v < count; ++v) x[p] += corner(place.corners[v]) * weights[p][v];
+        for (std::size_t v = 0; v < count; ++v) x[p] += corner_position(volume(), place.corners[v]) * weights[p][v];
       }
       const Vec3 origin = gather(place, lists);
       for (std::size_t m = 0; m < c; ++m) {
@@ -237,7 +236,7 @@ class MlsField final : public GroupedField {
       else
         for (std::size_t v = 0; v < place.corner_count; ++v) add(place.corners[v]);
     }
-    // Where no place that was looked at has a correction, nothing confirms any.
+    // Without a correction at any point there is nothing to confirm.
     std::vector<double> shares(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       if (of_samples[i][0] == 0) continue;
@@ -275,11 +274,11 @@ class MlsField final : public GroupedField {
       for (std::size_t i = 0; i < n; ++i) {
         const Flat& flat = lists.flat[i];
         const std::size_t to = group.to[i] * c + m;
-        // While residuals are found, M f alone.
+        // During the computation of residuals only M f counts.
         const double steady = shares_.values.empty() ? tile.variance[i] >= 0 : steady_share(tile.variance[i]);
         const double share = steady * flat.share;
         const VolumePlace& place = *group.places[i];
-        // More than linear interpolation, M f − L.
+        // Difference to linear interpolation, M f − L.
         double more = base + tile.value[i] - flat.values[m];
         for (std::size_t v = 0; v < place.corner_count && !residuals_.empty(); ++v)
           more += place.weights[v] * residuals_[place.corners[v] * c + m];
@@ -301,7 +300,7 @@ class MlsField final : public GroupedField {
     }
   }
 
-  // L, and the share, at a place.
+  // L and the share at a point.
   void interpolate(const VolumePlace& place, const Vec3& x, bool gradient, Flat& flat) const {
     const std::size_t c = components();
     flat.values.assign(c, 0.0), flat.slopes.assign(gradient ? c : 0, Vec3{});
@@ -327,7 +326,7 @@ class MlsField final : public GroupedField {
       }
     }
     if (!shared) flat.share = 1;
-    // In outer half cells, and at corners of cells of samples, it may go beyond those of the samples.
+    // In outer half cells, and at corners of cell data, the share may leave the range of the samples.
     if (flat.share < 0 || flat.share > 1) flat.share = std::clamp(flat.share, 0.0, 1.0), flat.share_slope = {};
   }
 
@@ -337,7 +336,7 @@ class MlsField final : public GroupedField {
   SupportIndex index_;
   int degree_;
   std::vector<double> residuals_;
-  VolumeValues shares_;  // of a sample, one component
+  VolumeValues shares_;  // one component per sample
   std::optional<CellInterpolant> flat_, flat_share_;
 };
 
@@ -365,7 +364,7 @@ namespace {
 
 constexpr std::string_view kMlsUses[] = {"degree", "radius"};
 constexpr VolumeMethod kMlsMethods[] = {{.name = "mls",
-                                         .summary = "moving least squares about each point, ellipsoidal weights",
+                                         .summary = "moving least squares at each point, ellipsoidal weights",
                                          .grids = "all",
                                          .make = make_mls_field,
                                          .uses = kMlsUses}};

@@ -7,25 +7,27 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 #include "sansmesh/volume/grid/point_order.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr std::size_t kLocatedGrain = 256, kAtOnce = 32;  // of a thread; whose places are kept
+constexpr std::size_t kLocatedGrain = 256,
+                      kAtOnce = 32;  // points per task of a thread; points with their locations in memory
 
 }  // namespace
 
 LocatedField::LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeValues values)
     : volume_(std::move(volume)), values_(std::move(values)), bounds_(volume_->bounds()), locator_(*volume_) {
   if (values_.values.size() != volume_->size() * values_.components)
-    throw ArgumentError("`values` must have a row for each sample");
+    throw ArgumentError("`values` must have one row per sample");
 }
 
 template <class Visit>
 void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) const {
-  // Who asks for few points asks for what follows next: in each slot a particle, say. Where it was found the last time,
-  // be it by another field of the same thread, is where the search begins.
+  // Callers with few points continue from one call to the next (for example one particle per slot). The search starts
+  // at the previous cell of the slot, even if another field of the same thread found it.
   static thread_local std::array<std::uint32_t, kLocatedGrain> slots{};
   const std::vector<std::uint32_t> order = locality_order(x);
   const bool few = x.size() <= slots.size();
@@ -50,10 +52,7 @@ void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) c
 
 void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
   const std::size_t n = components();
-  const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
-  if (!fits(wanted.values.size(), x.size() * n) || !fits(wanted.gradients.size(), x.size() * n) ||
-      !fits(wanted.inside.size(), x.size()))
-    throw ArgumentError("VolumeField: the answers are not as many as the points");
+  if (!answers_fit(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
   for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
     if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
     if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);
@@ -63,15 +62,14 @@ void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted
 }
 
 void LocatedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
-  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: the numbers of spacings and points differ");
   for_each_place(x, [&](std::size_t i, const VolumePlace& place) { found[i] = local_spacing(*volume_, place); });
 }
 
 Vec3 LocatedField::position_of(const VolumePlace& place) const {
   Vec3 at;
   for (std::size_t c = 0; c < place.corner_count; ++c)
-    at += (volume_->lattice ? volume_->lattice->position(place.corners[c]) : volume_->corner(place.corners[c])) *
-          place.weights[c];
+    at += corner_position(*volume_, place.corners[c]) * place.weights[c];
   return at;
 }
 
@@ -102,7 +100,7 @@ void WeightedField::answer(const Vec3& x, const VolumePlace& place, double* valu
   std::fill_n(values, n, 0);
   if (gradients) std::fill_n(gradients, n, Vec3{});
   if (found.empty()) return;
-  // Gradients as sums of differences: large slopes of opposite sign leave nothing of a constant.
+  // Gradients as sums of differences: a constant cancels exactly even with large slopes of opposite sign.
   const double* const base = samples().values.data() + found.front().sample * n;
   for (const SampleWeight& w : found) {
     const double* const f = samples().values.data() + w.sample * n;

@@ -1,5 +1,5 @@
-// What reconstructions that answer one point after the other have in common: where a point lies, what happens outside,
-// threads, weighted sums of samples.
+// Base classes of reconstructions that evaluate point by point: point location, continuation outside, threads, weighted
+// sums of samples.
 #pragma once
 
 #include <cstddef>
@@ -14,24 +14,31 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// What fields have that ask first in which cell a point lies: points in an order that suits the locator, cut into
-/// batches for threads.
+/// Whether each list of answers for n points is empty or has the right size.
+inline bool answers_fit(const VolumeAnswers& wanted, std::size_t n, std::size_t components) {
+  const auto fits = [](std::size_t size, std::size_t right) { return size == 0 || size == right; };
+  return fits(wanted.values.size(), n * components) && fits(wanted.gradients.size(), n * components) &&
+         fits(wanted.inside.size(), n);
+}
+
+/// Fields that first locate the cell of a point: orders the points for the locator and distributes batches over
+/// threads.
 class LocatedField : public VolumeField {
  public:
-  /// The values' rows are the samples of `volume`. Throws ArgumentError where they are not as many.
+  /// The rows of `values` are the samples of `volume`. Throws ArgumentError if their numbers differ.
   LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return values_.components; }
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
-  /// The mean length of the edges of the cell.
+  /// Mean edge length of the cell.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
-  /// All that is wanted at x, point `i` of the batch, whose place is known.
+  /// Writes the requested answers at x, point `i` of the batch, with known location.
   virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const = 0;
 
-  /// Where the weights of a place are: x inside, the nearest place of the volume outside.
+  /// Position of the weights of a location: x inside, the nearest point of the volume outside.
   Vec3 position_of(const VolumePlace& place) const;
   const SampledVolume& volume() const { return *volume_; }
   const VolumeValues& samples() const { return values_; }
@@ -46,13 +53,13 @@ class LocatedField : public VolumeField {
   VolumeLocator locator_;
 };
 
-/// Outside of the volume values go on straight from the nearest place of it, by at most half of the local spacing.
+/// Outside the volume values continue linearly from its nearest point, up to half of the local spacing.
 class PointwiseField : public LocatedField {
  public:
   using LocatedField::LocatedField;
 
  protected:
-  /// The answer at x, a place of the volume: components() values, and as many gradients unless that is null.
+  /// The answer at x inside the volume: components() values, and as many gradients unless that is null.
   virtual void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
   void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const final;
 };
@@ -70,7 +77,7 @@ class WeightedField : public PointwiseField {
   using PointwiseField::PointwiseField;
 
  protected:
-  /// Replaces `out` by the weights at x, slopes where wanted.
+  /// Replaces `out` by the weights at x, with slopes if requested.
   virtual void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const = 0;
   void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
 };

@@ -1,4 +1,4 @@
-// Radial basis functions of compact support around every sample, blended (wendland1995, babuska1997; METHODS §1.1).
+// Blended radial basis functions of compact support around every sample (wendland1995, babuska1997; tejada2008, 3.1).
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/QR>
@@ -21,15 +21,15 @@ namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
-constexpr double kBlendReach = 1.05;     ///< just over what covers the cells around a sample
+constexpr double kBlendReach = 1.05;     ///< just over the reach that covers the cells around a sample
 constexpr double kFunctionReach = 3;     ///< scale of the functions over the distance of the farthest sample
-constexpr std::size_t kMostNodes = 120;  ///< of a system
+constexpr std::size_t kMostNodes = 120;  ///< per system
 constexpr double kLeastRidge = 1e-13;
 constexpr double kGapWeight = 1e-8;
-constexpr Eigen::Index kTail = 4;  ///< coefficients of the straight function
+constexpr Eigen::Index kTail = 4;  ///< coefficients of the linear function
 
-/// From values at nodes, at their places in the coordinates of a support, to coefficients: kTail + nodes rows of the
-/// functions at the nodes, then 1, u.x, u.y, u.z. Straight functions that the nodes do not tell apart are left out.
+/// Matrix from values at nodes, at their positions in the coordinates of a support, to coefficients: kTail + nodes rows
+/// for the functions at the nodes, then 1, u.x, u.y, u.z. Linear functions that the nodes do not determine are dropped.
 Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<Vec3>& u, const Eigen::MatrixXd& right) {
   const auto n = static_cast<Eigen::Index>(u.size());
   Eigen::MatrixXd matrix(n, n), tail(n, kTail);
@@ -45,7 +45,7 @@ Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<V
     cholesky.compute(matrix);
     if (cholesky.info() == Eigen::Success) break;
   }
-  // With K = L Lᵀ: the tail is the least squares solution of L⁻¹P a = L⁻¹f.
+  // With K = L Lᵀ the tail is the least-squares solution of L⁻¹P a = L⁻¹f.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> least;
   least.setThreshold(1e-6);
   least.compute(cholesky.matrixL().solve(tail));
@@ -55,7 +55,7 @@ Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<V
   return found;
 }
 
-/// Systems around samples: where their nodes are and what their coefficients are.
+/// Systems at samples: their nodes and coefficients.
 class RbfSystems {
  public:
   RbfSystems(const SampledVolume& volume, const VolumeValues& values, double reach, Progress& progress)
@@ -70,7 +70,7 @@ class RbfSystems {
   }
 
   const SampleSupports& supports() const { return supports_; }
-  /// Where the weight of a sample's system ends: all samples nearer belong to the system.
+  /// End of the weight of a sample's system: all nearer samples belong to the system.
   double blend_reach(std::uint32_t sample) const { return reach_.empty() ? kBlendReach : double{reach_[sample]}; }
 
   /// s_i at x and its gradients, for all components.
@@ -79,7 +79,7 @@ class RbfSystems {
     static thread_local std::vector<std::uint32_t> nodes;
     const std::size_t m = values_.components;
     std::span<const std::uint32_t> near;
-    const double* c = nullptr;  // node by node, components beside each other
+    const double* c = nullptr;  // node by node, with adjacent components
     if (!stencils_.empty()) {
       const Stencil& stencil = stencils_[stencil_of(sample)];
       nodes.clear();
@@ -123,13 +123,13 @@ class RbfSystems {
   }
 
  private:
-  /// What samples of a uniform lattice that lie alike to its borders have in common.
+  /// Shared by samples of a uniform lattice with the same position relative to its borders.
   struct Stencil {
-    std::vector<std::ptrdiff_t> steps;  ///< from the sample's number to its nodes'
+    std::vector<std::ptrdiff_t> steps;  ///< from the sample's index to those of its nodes
     std::vector<double> matrix;         ///< coefficients from values, by columns
   };
 
-  /// Steps along an axis that a stencil reaches at most.
+  /// Largest extent of a stencil along an axis, in steps.
   std::size_t widest() const { return static_cast<std::size_t>(std::ceil(supports_.reach() * std::numbers::sqrt3)); }
 
   std::size_t stencil_of(std::size_t sample) const {
@@ -138,7 +138,7 @@ class RbfSystems {
     for (std::size_t k = 3; k-- > 0;) number = number * kinds_[k] + kind(k, at[k]);
     return number;
   }
-  /// Which of the kinds of places along an axis: from the first end, in the middle, from the last one.
+  /// Class of a position along an axis: counted from the first end, in the middle, from the last end.
   std::size_t kind(std::size_t k, std::size_t i) const {
     const std::size_t n = volume_.lattice->axes[k].size();
     if (kinds_[k] == n) return i;
@@ -150,7 +150,7 @@ class RbfSystems {
     const Lattice& lattice = *volume_.lattice;
     for (std::size_t k = 0; k < 3; ++k) kinds_[k] = std::min(lattice.axes[k].size(), 2 * widest() + 1);
     const std::size_t count = kinds_[0] * kinds_[1] * kinds_[2];
-    std::vector<std::uint32_t> example(count);  // a sample of each kind
+    std::vector<std::uint32_t> example(count);  // one sample of each kind
     const auto place = [&](std::size_t k, std::size_t kind) {
       const std::size_t n = lattice.axes[k].size();
       return kinds_[k] == n || kind <= widest() ? kind : kind + n - (2 * widest() + 1);
@@ -182,7 +182,7 @@ class RbfSystems {
 
   void make_systems(Progress& progress) {
     const std::size_t n = volume_.size(), m = values_.components;
-    // Node j belongs to the systems of all supports that cover it: then the blend interpolates.
+    // Node j belongs to the systems of all supports that contain it, so that the blend interpolates.
     std::vector<std::vector<std::uint32_t>> covered(n);
     parallel_ranges(0, n, 256, [&](std::size_t first, std::size_t last) {
       std::vector<SampleSupports::Cover> covers;
@@ -207,7 +207,7 @@ class RbfSystems {
         near[i].resize(kMostNodes);
         for (std::size_t r = 0; r < kMostNodes; ++r) near[i][r] = by_distance[r].second;
         reach_.resize(n, static_cast<float>(kBlendReach));
-        // A little less than where the first sample is that does not belong to the system.
+        // Slightly less than the distance of the first sample outside the system.
         reach_[i] = std::min(reach_[i], static_cast<float>(std::sqrt(by_distance[kMostNodes].first) * (1 - 1e-6)));
       }
       nodes_.entries.insert(nodes_.entries.end(), near[i].begin(), near[i].end());
@@ -246,19 +246,17 @@ class RbfSystems {
   SampleSupports supports_;
   RadialKernel kernel_;
   std::array<std::size_t, 3> kinds_{};
-  std::vector<Stencil> stencils_;     // of uniform lattices
-  Adjacency nodes_;                   // of all others
-  std::vector<float> reach_;          // of weights; empty where it is kBlendReach for all
-  std::vector<double> coefficients_;  // of a system's nodes, then its tail; components beside each other
+  std::vector<Stencil> stencils_;     // for uniform lattices
+  Adjacency nodes_;                   // for all others
+  std::vector<float> reach_;          // end of the weights; empty if it is kBlendReach for all
+  std::vector<double> coefficients_;  // a system's nodes, then its tail, with adjacent components
 };
 
-/// f(x) = Σ W_i(x) s_i(x) / Σ W_i(x): s_i interpolates the samples with t_i < R/√3 around sample i (SampleSupports: the
-/// distance follows the local spacing in each direction), at most the nearest 120, by Wendland's functions C⁴ in that
-/// distance, three times as wide, and a straight function; W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05, or less where the
-/// next sample is nearer. Interpolates, reproduces straight functions, and has continuous derivatives. Gaps are filled
-/// as in shepard_field.cpp. Memory: on uniform lattices next to nothing beyond the samples, coefficients are found on
-/// the way; else about 12 bytes for each of the 25 to 40 samples around each sample, and 8 more for each further
-/// component. `radius` R in spacings, 1..3; less than 1.05 √3 counts as that.
+/// f(x) = Σ W_i(x) s_i(x) / Σ W_i(x) (docs/methods/volume-baselines.md): s_i interpolates the samples with t_i < R/√3
+/// around sample i (SampleSupports), at most the nearest 120. W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05, with a smaller
+/// reach where the next sample is nearer. Memory: almost none on uniform lattices; otherwise about 12 bytes for each of
+/// the 25 to 40 samples around each sample, and 8 more for each further component. `radius` R in spacings, 1..3; values
+/// below 1.05 √3 count as that.
 class RbfField final : public PointwiseField {
  public:
   RbfField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, double reach, Progress& progress)
@@ -298,7 +296,7 @@ class RbfField final : public PointwiseField {
         add(kGapWeight * place.weights[c], falls[c] * kGapWeight);
       }
     }
-    if (!(sum > 0)) {  // samples in cells are covered by their own supports, to rounding
+    if (!(sum > 0)) {  // cell data are covered by their own supports, up to rounding
       const std::size_t s = volume().cell_sample.empty() ? 0 : volume().cell_sample[place.cell];
       for (std::size_t k = 0; k < m; ++k) value[k] = samples().values[s * m + k], gradient[k] = {};
       add(1, {});

@@ -1,4 +1,4 @@
-// Inverse squared distances, made local (shepard1968, franke1980; METHODS §1.2, §6.3).
+// Local inverse squared distance weighting (shepard1968, franke1980; tejada2008, 3.2).
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,14 +13,12 @@ namespace detail {
 namespace {
 
 constexpr double kFillWeight = 1e-8;
-constexpr double kAtSample = 1e-7;  ///< of the support's unit
+constexpr double kAtSample = 1e-7;  ///< in units of the support
 
-/// f(x) = Σ w_i f_i / Σ w_i, w_i = ((R − t_i)₊ / (R t_i))² with the distances t_i of SampleSupports, which follow the
-/// local spacing in each direction. Interpolates, with gradients zero at the samples; values lie between the least
-/// and the largest of the samples around. `radius` R in spacings, 1..10: multiples of the distance of neighbours on a
-/// lattice, of which √3 are needed to cover the cells around a sample; less counts as that. Where the supports leave a
-/// gap (slivers between scattered samples) the cell's own interpolation fills it: with the weight 1e-8 it is part of
-/// the sum everywhere.
+/// f(x) = Σ w_i f_i / Σ w_i, w_i = ((R − t_i)₊ / (R t_i))² with the distances t_i of SampleSupports
+/// (docs/methods/volume-baselines.md). `radius` R in spacings, 1..10; at least √3 is needed to cover the cells around a
+/// sample, and smaller values count as √3. Linear interpolation in the cell fills gaps of the supports: it is part of
+/// the sum everywhere, with the weight 1e-8.
 class ShepardField final : public WeightedField {
  public:
   ShepardField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, double reach)
@@ -45,7 +43,7 @@ class ShepardField final : public WeightedField {
       sum += out.back().weight;
       slope += out.back().slope;
     }
-    if (!volume().lattice && volume().cell_sample.empty()) {  // the others are covered by their own cells' supports
+    if (!volume().lattice && volume().cell_sample.empty()) {  // supports of the others cover their own cells
       std::array<Vec3, 8> gradients{};
       shape_gradients(volume(), place, x, gradients);
       for (std::size_t c = 0; c < place.corner_count; ++c) {

@@ -1,4 +1,4 @@
-// Natural neighbours (sibson1981; METHODS §6.3).
+// Natural neighbour interpolation (sibson1981).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,12 +19,12 @@ namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
-constexpr double kFarAway = 10;  ///< where cells end: diagonals of the box beyond it
-constexpr double kTie = 1e-6;    ///< squared distances that differ by less, relatively, are equal
+constexpr double kFarAway = 10;  ///< end of the cells: diagonals of the box beyond it
+constexpr double kTie = 1e-6;    ///< relative difference below which squared distances are equal
 constexpr std::size_t kMostCuts = 1000;
 constexpr std::size_t kFirstGuess = 16;
 
-/// The sample nearest to a place: of lattices by their axes, else by a tree.
+/// Nearest-sample search: by axes in lattices, otherwise with a tree.
 class NearestSample {
  public:
   explicit NearestSample(const SampledVolume& volume) : volume_(volume) {
@@ -35,7 +35,7 @@ class NearestSample {
       positions[i] = {x.x, x.y, x.z};
     }
     index_ = SampleIndex<3>(positions);
-    // Of samples at one place the first stands for all: no plane lies between them.
+    // The first of several coincident samples represents all: there is no plane between them.
     std::vector<std::uint32_t> order(positions.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -51,7 +51,7 @@ class NearestSample {
     }
   }
 
-  /// Replaces `out` by the `count` nearest ones (of lattices those of a cell), the nearest first.
+  /// Replaces `out` by the `count` nearest samples (in lattices those of a cell), the nearest first.
   void find(const Vec3& x, std::size_t count, std::vector<std::uint32_t>& out) const {
     out.clear();
     if (volume_.lattice) {
@@ -79,25 +79,19 @@ class NearestSample {
  private:
   const SampledVolume& volume_;
   SampleIndex<3> index_;
-  std::vector<std::uint32_t> first_;  // of the samples at the place of each; empty where there is one everywhere
+  std::vector<std::uint32_t> first_;  // per sample: the first coincident one; empty without coincidences
 };
 
 struct NaturalNeighbour {
   std::uint32_t sample;
   Vec3 offset;  ///< from x
-  double area;  ///< of the face between the cells
-  Vec3 moment;  ///< ∫ (p − x) dA over it
+  double area;  ///< area of the face between the cells
+  Vec3 moment;  ///< ∫ (p − x) dA over the face
 };
 
-/// f(x) = Σ u_i(x) f_i / Σ u_i(x): u_i is the volume that a new sample at x would take away from the Voronoi cell of
-/// sample i. The new cell is found by cutting a box by the bisectors between x and samples until no sample is nearer to
-/// one of its corners than x; it is then cut into the parts of its neighbours. The gradient is that of the volumes,
-/// ∇u_i = ∫ (p − x) dA / ‖x_i − x‖ over the face between x and x_i (piper1993).
-///
-/// Interpolates; continuous, and continuously differentiable but at the samples, where the gradient is a mean of those
-/// around. Reproduces straight functions but in a thin layer along the convex hull of the samples (cells are cut off
-/// ten diagonals of the box away). Neighbours are those in space: what lies between them is not known to it.
-/// Samples in cells get company at the volume's surface (corner_volume.h).
+/// f(x) = Σ u_i(x) f_i / Σ u_i(x), u_i the volume that a new sample at x would take from the Voronoi cell of sample i,
+/// with the gradients of piper1993 (docs/methods/volume-baselines.md). Gaps of the mesh between neighbours have no
+/// effect. Cell data receive additional samples at the volume's surface (corner_volume.h).
 class SibsonField final : public WeightedField {
  public:
   SibsonField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values)
@@ -113,7 +107,7 @@ class SibsonField final : public WeightedField {
     if (d0 > 1e-6 * d1) return around(x, slopes, out);
     const std::uint32_t sample = near[0];
     if (!slopes) return out.assign(1, {sample, 1, {}});
-    // No gradient exists at a sample: the mean of those on six sides of it.
+    // The gradient does not exist at a sample: use the mean of six points around it.
     static thread_local std::vector<SampleWeight> mean;
     mean.assign(1, {sample, 1, {}});
     for (std::size_t side = 0; side < 6; ++side) {
@@ -126,7 +120,7 @@ class SibsonField final : public WeightedField {
   }
 
  private:
-  /// Weights at x, which is no sample.
+  /// Weights at x, which must not be a sample.
   void around(const Vec3& x, bool slopes, std::vector<SampleWeight>& out) const {
     static thread_local ConvexCell cell, part;
     static thread_local std::vector<NaturalNeighbour> neighbours;
@@ -137,7 +131,7 @@ class SibsonField final : public WeightedField {
     Vec3 slope;
     for (const NaturalNeighbour& n : neighbours) {
       part.assign(cell);
-      // The nearest first: they leave little for the others to cut.
+      // Nearest first: they leave little for the others to cut.
       others.clear();
       for (const NaturalNeighbour& other : neighbours)
         if (other.sample != n.sample) others.push_back({squared_norm(other.offset - n.offset), &other});
@@ -155,7 +149,7 @@ class SibsonField final : public WeightedField {
       sum += volume;
       slope += change;
     }
-    if (!(sum > 0)) {  // no volume that numbers can tell from zero
+    if (!(sum > 0)) {  // a volume indistinguishable from zero
       std::vector<std::uint32_t> near;
       nearest_.find(x, 1, near);
       return out.assign(1, {near[0], 1, {}});
@@ -166,13 +160,13 @@ class SibsonField final : public WeightedField {
     }
   }
 
-  /// The cell of x among the samples, in coordinates about x, and its neighbours in ascending order.
+  /// The cell of x among the samples, in coordinates relative to x, and its neighbours in ascending order.
   void insert(const Vec3& x, ConvexCell& cell, std::vector<NaturalNeighbour>& neighbours) const {
     const double far = kFarAway * bounds().diagonal();
     const Vec3 beyond{far, far, far};
     cell.assign_box(bounds().lower - beyond - x, bounds().upper + beyond - x);
     static thread_local std::vector<std::uint32_t> used, found;
-    static thread_local std::vector<Vec3> done;  // corners that no sample is nearer to
+    static thread_local std::vector<Vec3> done;  // corners without a nearer sample
     used.clear(), done.clear();
     const auto cut = [&](std::uint32_t sample) {
       const Vec3 d = volume().position(sample) - x;
@@ -203,7 +197,7 @@ class SibsonField final : public WeightedField {
       if (face.label != ConvexCell::kBox)
         neighbours.push_back({face.label, volume().position(face.label) - x, face.area, face.first});
     std::sort(neighbours.begin(), neighbours.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
-    std::size_t kept = 0;  // rounding may have cut a face in two
+    std::size_t kept = 0;  // rounding may have split a face in two
     for (const NaturalNeighbour& n : neighbours) {
       if (kept > 0 && neighbours[kept - 1].sample == n.sample)
         neighbours[kept - 1].area += n.area, neighbours[kept - 1].moment += n.moment;

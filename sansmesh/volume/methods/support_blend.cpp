@@ -23,7 +23,7 @@ using detail::SupportTile;
 
 constexpr float kNoSupport = 1e-20f;
 
-// Linear interpolation of samples in cells, and its share.
+// Linear interpolation of cell data, and its share.
 class LinearShare {
  public:
   LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials)
@@ -61,27 +61,26 @@ class LinearShare {
     });
   }
 
-  /// Whether it has a share anywhere in a cell.
+  /// Whether the share is positive anywhere in a cell.
   bool has(std::size_t cell) const { return any_[cell] != 0; }
-  /// Values, and the share as the last one; and their gradients, if wanted.
+  /// Values, and the share as the last one; and their gradients, if requested.
   void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const {
     interpolant_->evaluate(place, x, values, gradients);
   }
 
  private:
-  // Variance of a correction, in squares of its difference to what the next samples say of it.
+  // Variance of a correction, in squares of its difference to the correction by the next samples.
   static constexpr double kDisagreement = 2.5;
 
   struct Near {
     std::vector<std::uint32_t> own, next;
   };
 
-  // Shares of a hundredth are not worth the time.
+  // Shares below a hundredth are skipped to save time.
   static double worth(double share) { return share < 0.01 ? 0 : share; }
   double& share_of(std::size_t sample) { return joint_.values[(sample + 1) * joint_.components - 1]; }
 
-  // Cells that touch others but for whole faces, at borders of levels and blocks: linear interpolation is not
-  // continuous there.
+  // Cells with partial faces, at borders of levels and blocks: linear interpolation is not continuous there.
   static std::vector<std::uint8_t> border_cells(const SampledVolume& volume) {
     std::vector<std::uint8_t> border(volume.cells.size(), 0);
     for_each_partial_neighbour(
@@ -90,7 +89,7 @@ class LinearShare {
     return border;
   }
 
-  // At a corner on the surface of the volume, with cells around.
+  // The share at a corner on the surface of the volume, from the cells around it.
   double outer_share(const LocalPolynomials& polynomials, std::size_t corner, std::span<const std::uint32_t> cells,
                      Near& near) const {
     near.own.clear(), near.next.clear();
@@ -116,9 +115,9 @@ class LinearShare {
   }
 
   const SampledVolume& volume_;
-  VolumeValues joint_;  // of the samples: components, and the share as the last one
+  VolumeValues joint_;  // per sample: components, then the share
   std::optional<CellInterpolant> interpolant_;
-  std::vector<std::uint8_t> any_;  // of cells
+  std::vector<std::uint8_t> any_;  // per cell
 };
 
 class SupportBlend final : public GroupedField {
@@ -138,7 +137,7 @@ class SupportBlend final : public GroupedField {
     SupportIndex::Memory found;
     std::vector<SupportTerm> terms;
     std::vector<float> coefficients;
-    std::vector<double> flat;  // of linear interpolation: components and the share, point after point
+    std::vector<double> flat;  // linear interpolation: components and the share, point by point
     std::vector<Vec3> slopes;
   };
 
@@ -151,7 +150,7 @@ class SupportBlend final : public GroupedField {
     SupportTile& tile = lists.tile;
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();
-    // All of this depends on the cell alone, so that answers do not depend on the points that share it.
+    // All of this depends on the cell alone, so that results do not depend on the other points in the cell.
     const Vec3 origin = index_.of_cell(group.cell, lists.found);
     const std::vector<std::uint32_t>& supports = lists.found.supports;
     const std::uint32_t own = lists.found.own;

@@ -10,7 +10,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr int kSincReach = 4;  ///< steps to either side
+constexpr int kSincReach = 4;  ///< in steps
 
 }  // namespace
 
@@ -44,12 +44,13 @@ void CubicAxis::weights(double x, AxisWeights& out) const {
   std::size_t i;
   if (inverse_step_ > 0) {
     const double t = (x - knots_[0]) * inverse_step_;
-    i = t > 0 ? std::min(static_cast<std::size_t>(t), n - 2) : 0;  // what rounding moves meets the next piece smoothly
+    i = t > 0 ? std::min(static_cast<std::size_t>(t), n - 2)
+              : 0;  // points moved by rounding meet the next piece smoothly
   } else {
     i = interval_of(knots_, false, x);
   }
   const double h = knots_[i + 1] - knots_[i], u = (x - knots_[i]) / h;
-  double v0, v1, s0, s1, dv0, dv1, ds0, ds1;  // of values and slopes at both ends
+  double v0, v1, s0, s1, dv0, dv1, ds0, ds1;  // derivatives with respect to values and slopes at both ends
   if (u < 0) {
     v0 = 1, v1 = 0, s0 = u * h, s1 = 0, dv0 = dv1 = 0, ds0 = 1, ds1 = 0;
   } else if (u > 1) {
@@ -117,7 +118,7 @@ void SincAxis::weights(double x, AxisWeights& out) const {
       add(sample, v, s);
       continue;
     }
-    // f(end + k) = 2 f(end) − f(end − k); where there is none, straight on: f(end) + k (f(end) − f(before)).
+    // f(end + k) = 2 f(end) − f(end − k); without such a sample linear: f(end) + k (f(end) − f(before)).
     const std::ptrdiff_t end = sample < 0 ? 0 : n - 1, inward = sample < 0 ? 1 : -1;
     if (beyond < n) {
       add(end, 2 * v, 2 * s);

@@ -1,4 +1,4 @@
-// Reconstruction along one axis of a lattice: weights of the samples next to a coordinate (METHODS §6.3).
+// Reconstruction along one axis of a lattice: weights of the samples next to a coordinate.
 #pragma once
 
 #include <array>
@@ -16,22 +16,21 @@ struct AxisWeights {
   std::array<double, kMostAxisWeights> value{}, slope{};
 };
 
-/// Piecewise cubic in Hermite's form: at knot i value Σ_j value[i][j] f_{b + j}, slope Σ_j slope[i][j] f_{b + j} with
-/// b = clamp(i − 1, 0, n − 3). On even steps that is the BC family of Mitchell and Netravali (mitchell1988): value
-/// f_i + B/6 (f_{i+1} − 2 f_i + f_{i−1}), slope (B/2 + C)(f_{i+1} − f_{i−1}). On uneven ones the slope is (B + 2C)
-/// times that of the parabola through the three samples, the difference that of the parabola's second derivative; at
-/// the ends the parabola through the last three samples gives the slope, and the value is the sample. Continuously
-/// differentiable; straight lines are reproduced where B + 2C = 1, parabolas where B = 0 and C = ½. Beyond the ends it
-/// goes on straight.
+/// Piecewise cubic in Hermite form: at knot i value Σ_j value[i][j] f_{b + j}, slope Σ_j slope[i][j] f_{b + j} with b =
+/// clamp(i − 1, 0, n − 3). On even steps it is the BC family (mitchell1988): value f_i + B/6 (f_{i+1} − 2 f_i +
+/// f_{i−1}), slope (B/2 + C)(f_{i+1} − f_{i−1}). On uneven steps the slope is (B + 2C) times that of the parabola
+/// through the three samples, and the parabola's second derivative replaces the difference; at the ends the parabola
+/// through the last three samples gives the slope, and the value is the sample. Continuously differentiable; reproduces
+/// straight lines if B + 2C = 1, and parabolas if B = 0 and C = ½. Continued linearly beyond the ends.
 class CubicAxis {
  public:
-  static constexpr std::size_t kCount = 4;  ///< weights at most: fewer where there are fewer knots
+  static constexpr std::size_t kCount = 4;  ///< largest number of weights; smaller with fewer knots
 
   CubicAxis() = default;
   /// Knots: strictly increasing, at least two.
   CubicAxis(std::span<const double> knots, bool uniform, double b, double c);
   void weights(double x, AxisWeights& out) const;
-  /// Weights of the slope at a knot; samples from `first` on.
+  /// Weights of the slope at a knot, for samples from `first` on.
   const std::array<double, 3>& slope_at(std::size_t knot, std::size_t& first) const {
     first = base(knot);
     return slope_[knot];
@@ -48,8 +47,8 @@ class CubicAxis {
   double inverse_step_ = 0;  // > 0 on uniform axes
 };
 
-/// Windowed sinc, normalised: (1 + cos(πt/4)) sinc(t) for |t| < 4 steps, over the sum. Samples beyond the ends are
-/// those of the odd reflection. Uniform knots.
+/// Windowed sinc, normalised: (1 + cos(πt/4)) sinc(t) for |t| < 4 steps, divided by the sum. Samples beyond the ends
+/// are odd reflections. Requires uniform knots.
 class SincAxis {
  public:
   explicit SincAxis(std::span<const double> knots);
@@ -61,12 +60,12 @@ class SincAxis {
   std::size_t count_;
 };
 
-/// The polynomial of odd degree p through the p + 1 samples around an interval; of even degree two of them, through the
-/// p + 1 samples that begin one apart, blended linearly over the interval. At the ends and where there are fewer
-/// samples the nearest ones. Interpolates; continuous for odd degrees, continuously differentiable for even ones.
+/// Odd degree p: the polynomial through the p + 1 samples around an interval. Even degree p: two such polynomials,
+/// through p + 1 samples that begin one apart, blended linearly over the interval. Near the ends and with few samples
+/// the nearest ones are used. Interpolating; continuous for odd degrees, continuously differentiable for even ones.
 class LagrangeAxis {
  public:
-  /// Degree 1..5; as many knots as there are, at least two, let the degree be.
+  /// Degree 1..5, reduced to fit the number of knots (at least two).
   LagrangeAxis(std::span<const double> knots, bool uniform, int degree);
   void weights(double x, AxisWeights& out) const;
   std::size_t size() const { return knots_.size(); }

@@ -16,8 +16,9 @@ constexpr std::size_t kTaps = 5, kPowers = 5;  // samples along an axis; degrees
 
 // Orthonormal polynomials on the taps around one coordinate of an axis.
 struct AxisFit {
-  std::size_t first = 0, taps = 0, powers = 0;  ///< powers: polynomials that the taps tell apart, at most kPowers
-  double u[kTaps]{};                            ///< local coordinates of the taps
+  std::size_t first = 0, taps = 0,
+              powers = 0;  ///< powers: number of polynomials determined by the taps, at most kPowers
+  double u[kTaps]{};       ///< local coordinates of the taps
   double weight[kTaps]{};
   double psi[kPowers][kTaps]{};         ///< values at the taps
   double row[kPowers][kTaps]{};         ///< times the weights
@@ -33,7 +34,7 @@ AxisFit axis_fit(const std::vector<double>& axis, std::size_t i, double width) {
     fit.u[t] = (axis[fit.first + t] - axis[i]) / step;
     fit.weight[t] = std::max(std::exp(-fit.u[t] * fit.u[t] / (width * width)), 1e-4);
   }
-  // Gram and Schmidt, twice: monomials of five places are not far from dependent.
+  // Gram–Schmidt twice: monomials on five points are not far from dependent.
   for (std::size_t a = 0; a < fit.powers; ++a) {
     double* p = fit.psi[a];
     double* c = fit.monomial[a];
@@ -88,7 +89,7 @@ class LatticeFitter {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto& axis = lattice_.axes[k];
       for (std::size_t i = 0; i < axis.size(); ++i) fits_[k].push_back(axis_fit(axis, i, options.fit.width));
-      // Of equal steps, for the leverages: where in its taps a sample stands is all that counts.
+      // Equal steps for the leverages: only the position of a sample in its taps matters.
       std::vector<double> even(axis.size());
       for (std::size_t i = 0; i < axis.size(); ++i) even[i] = static_cast<double>(i);
       const std::size_t taps = std::min(kTaps, axis.size());
@@ -144,8 +145,7 @@ class LatticeFitter {
     double monomials[kTerms];
     for (std::size_t m = 0; m < c; ++m) {
       to_monomials(orthogonal_.data() + m * kTerms, degree, x, y, z, monomials);
-      part.constants.push_back(values_.values[sample * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < terms; ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
+      part.append_component(std::span(monomials).first(terms), values_.of(sample)[m], options_.share);
     }
     part.degrees.push_back(static_cast<std::uint8_t>(degree));
     part.split.push_back(0);
@@ -165,7 +165,7 @@ class LatticeFitter {
     return *known;
   }
 
-  // q of all products ψ_a ψ_b ψ_c, in the order of PolynomialOrder<3>, up to the highest degree.
+  // Projections q on all products ψ_a ψ_b ψ_c, in the order of PolynomialOrder<3>, up to the highest degree.
   void project(const double* f, const AxisFit& x, const AxisFit& y, const AxisFit& z, double* q) const {
     const auto top = static_cast<std::size_t>(options_.fit.max_degree);
     double fx[kPowers][kTaps * kTaps], fy[kPowers][kPowers][kTaps];
@@ -191,7 +191,7 @@ class LatticeFitter {
         }
   }
 
-  // Takes the products of degree d exactly from the residuals.
+  // Subtracts the products of degree d from the residuals.
   void subtract(const double* q, int degree, const AxisFit& x, const AxisFit& y, const AxisFit& z) {
     const auto d = static_cast<std::size_t>(degree);
     std::size_t at = d == 0 ? 0 : static_cast<std::size_t>(monomial_count(3, degree - 1));
@@ -230,7 +230,7 @@ class LatticeFitter {
     each([&](std::size_t at, std::size_t a, std::size_t b, std::size_t c) { monomials[at] = all[a][b][c]; });
   }
 
-  // Where there is a step the samples of the own side alone; false where there is none.
+  // Fits only the samples on this side of a step; false without a step.
   bool append_split(const AxisFit& x, const AxisFit& y, const AxisFit& z, std::size_t sample, PolynomialPart& part) {
     const std::size_t c = values_.components, n = x.taps * y.taps * z.taps;
     // The sample itself comes first.
@@ -258,13 +258,7 @@ class LatticeFitter {
       tests_.push_back(u);
     }
     robust_.fit(u_, f_, c, tests_);
-    for (std::size_t m = 0; m < c; ++m) {
-      const auto monomials = robust_.monomials(m);
-      part.constants.push_back(values_.values[sample * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < monomials.size(); ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
-    }
-    part.degrees.push_back(static_cast<std::uint8_t>(robust_.degree()));
-    part.split.push_back(robust_.split());
+    part.append(robust_, values_.of(sample), options_.share);
     return true;
   }
 
@@ -283,8 +277,8 @@ class LatticeFitter {
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress) {
   LocalPolynomialOptions held = options;
-  // Axes of few samples have few powers, which the products leave out by themselves: a slab of two layers is straight
-  // across and of any degree along. What no axis has is no degree.
+  // Axes with few samples have few powers, which the products omit: a slab of two layers is linear across and of any
+  // degree along. A degree above the powers of all axes does not exist.
   std::size_t most = 0;
   for (const auto& axis : volume.lattice->axes) most = std::max(most, std::min(axis.size(), kTaps));
   held.fit.max_degree = std::min(held.fit.max_degree, static_cast<int>(most) - 1);

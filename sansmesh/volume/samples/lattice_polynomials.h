@@ -1,4 +1,4 @@
-// Polynomials about the samples of a lattice, axis by axis.
+// Fits polynomials at the samples of a lattice, axis by axis.
 #pragma once
 
 #include "sansmesh/progress.h"
@@ -8,16 +8,16 @@
 
 namespace sansmesh::inline v1 {
 
-/// As fit_local_polynomials, for a lattice: `metrics` stay empty. Stencils are the (up to) five samples along each axis
-/// around the sample, 125 in all, at the ends of axes the last five. Since these are products of axes and so are the
-/// weights, the orthogonal polynomials are products of those in one variable, which are set up once for each coordinate
-/// of an axis; a fit is three short passes over the stencil. Degrees, steps and trust are as for other grids, but that
-/// h_ii is taken of equal steps, and that single outliers are not looked for. Along axes of fewer samples the powers
-/// end below their number: with two layers polynomials are straight across, whatever their (total) degree.
+/// fit_local_polynomials for a lattice: `metrics` stay empty. A stencil is the (up to) five samples along each axis
+/// around the sample, 125 in all; at the ends of axes the last five. Stencils and weights are products over the axes,
+/// so the orthogonal polynomials are products of univariate ones, computed once for each coordinate of an axis; a fit
+/// is three short passes over the stencil. Degrees, steps and trust are as for other grids, except that h_ii assumes
+/// equal steps and that single outliers are not detected. Along axes with fewer samples powers stay below the number of
+/// samples: across two layers polynomials are linear for every (total) degree.
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress);
 
-/// One or the other, as the volume has it.
+/// Dispatches on the kind of volume.
 inline LocalPolynomials fit_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                         const LocalPolynomialOptions& options, Progress& progress) {
   return volume.lattice ? fit_lattice_polynomials(volume, values, options, progress)

@@ -15,9 +15,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kStencilRings = 6;
-constexpr double kEnough = 2, kPlenty = 4;  // samples of a stencil, in numbers of polynomials
+constexpr double kEnough = 2, kPlenty = 4;  // samples of a stencil, in multiples of the number of polynomials
 
-// The polynomial about sample after sample of a mesh.
+// Fits the polynomials of a mesh sample by sample.
 class MeshFitter {
  public:
   MeshFitter(const SampledVolume& volume, const Adjacency& cells, const VolumeValues& values,
@@ -46,13 +46,7 @@ class MeshFitter {
       tests_.push_back(local(mean / static_cast<double>(corners.size())));
     }
     fit_.fit(stencil_.local(), f_, c, tests_);
-    for (std::size_t m = 0; m < c; ++m) {
-      const auto monomials = fit_.monomials(m);
-      part.constants.push_back(values_.values[i * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < monomials.size(); ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
-    }
-    part.degrees.push_back(static_cast<std::uint8_t>(fit_.degree()));
-    part.split.push_back(fit_.split());
+    part.append(fit_, values_.of(i), options_.share);
   }
 
  private:
@@ -66,15 +60,15 @@ class MeshFitter {
   std::vector<double> f_;
 };
 
-// How far samples go on behind an edge, in its lengths: in the star and in the ring after it. From kNear, or kFar, on
-// second differences over the edge are known; less than kNone is an edge through a layer, that stars on both sides end
-// at.
+// Extent of the samples beyond an edge, in edge lengths: in the star and in the ring after it. From kNear, or kFar, on
+// the second differences over the edge are determined; below kNone the edge crosses a layer at which the stars of both
+// sides end.
 constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
-// Corrections that are this large beside the differences of neighbours count as under-resolved: parabolas turn within
-// the edges.
+// Corrections of this size relative to the differences of neighbours count as under-resolved: parabolas have extrema
+// within the edges.
 constexpr double kCoarse = 0.25;
-/// Corrections and disagreements are no more than rounding up to this share of the differences of neighbours, as
-/// coefficients are floats, or of the values.
+/// Corrections and disagreements up to this share of the differences of neighbours, or of the values, are rounding
+/// errors, since coefficients are floats.
 constexpr double kRoundedDifference = 1e-7, kRoundedValue = 1e-15;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
@@ -82,14 +76,14 @@ class EdgeSupport {
  public:
   explicit EdgeSupport(const SampledVolume& volume) : volume_(volume) {}
 
-  /// The sample whose edges are asked for, with its star.
+  /// Sets the sample whose edges are evaluated, with its star.
   void set(const Vec3& x, const StarMetric& metric, std::span<const std::uint32_t> star) {
     x_ = x, metric_ = metric;
     behind_.begin(star);
   }
 
-  /// How doubtful a correction is in the middle of the edge of length u (local) to sample j: 0 where samples go on
-  /// behind one of its ends as far as the edge is long.
+  /// Doubt of a correction at the middle of the edge of length u (local) to sample j: 0 where samples extend beyond one
+  /// of its ends by the length of the edge.
   double doubt(std::uint32_t j, const Vec3& u) {
     const double length = squared_norm(u);
     if (!(length > 0)) return 0;
@@ -110,7 +104,7 @@ class EdgeSupport {
     double first = 0, second = 0;
     double known() const { return std::max(first / kNear, second / kFar); }
   };
-  /// The samples of a star, and those of their stars that are not among them, each once: places in the metric.
+  /// The star and the additional samples of the next ring, without duplicates, in the metric.
   struct Rings {
     std::vector<std::uint32_t> star;
     std::vector<Vec3> first, second;
@@ -142,7 +136,7 @@ class EdgeSupport {
     rings.has_second = true;
   }
 
-  /// Where the star alone reaches far enough, nobody asks for the ring after it.
+  /// The next ring is only computed if the star does not reach far enough.
   Reach reach_of(Rings& rings, const Vec3& e, double end) {
     if (!rings.has_first) find_first(rings);
     Reach reach;
@@ -185,7 +179,7 @@ double LocalPolynomials::full_rise(std::size_t sample, std::size_t component, co
 }
 
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
-  return volume.lattice ? lattice_metric(*volume.lattice, sample) : metrics[sample];
+  return metric_of(volume, metrics.view(), sample);
 }
 
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
@@ -213,17 +207,17 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           const double other = p.constants[j * c + m] + value_at(p.of(j, m), p.metric(volume, j)(-d));
           const double fi = values.values[i * c + m], fj = values.values[j * c + m];
           const double a = 0.5 * (own + other) - 0.5 * (fi + fj), b = 0.5 * (own - other);
-          // Across a step both sides go on as they are: that they disagree is no reason for doubt.
+          // Polynomials on both sides of a step disagree without being doubtful.
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
           gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
           varied += (fi - fj) * (fi - fj), sizes += fi * fi + fj * fj;
         }
       }
-      // The mean over the middles of cells counts as much as that over edges.
+      // The mean over cell centres counts as much as that over edges.
       CellAgreement::Share inside = agreement.of(i);
       inside.gain *= static_cast<double>(star.size()), inside.doubt *= static_cast<double>(star.size());
-      // Large corrections from differences over short edges alone are not known to hold over long ones.
+      // Large corrections derived from differences over short edges are unreliable over long ones.
       if (gain > 0) {
         const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
         doubt += coarse * coarse * coarse * open * (1 + inside.gain / gain);

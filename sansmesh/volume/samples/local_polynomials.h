@@ -1,4 +1,4 @@
-// A polynomial about every sample of a volume: what mls-detail blends (METHODS §6.1, §9).
+// Polynomials at the samples of a volume, which mls-detail blends (tejada2008, 6.2).
 #pragma once
 
 #include <cstddef>
@@ -19,24 +19,24 @@
 namespace sansmesh::inline v1 {
 
 /// p_i(x) = constant_i + Σ_{m >= 1} c_im monomial_m(u), u = M_i (x − x_i), monomials in the order of
-/// PolynomialOrder<3>, degree 0..4. Plain arrays that are never changed, in memory or in a mapped file.
+/// PolynomialOrder<3>, degree 0..4. Immutable arrays in memory or in a mapped file.
 struct LocalPolynomials {
   static constexpr int kMaxDegree = 4;
   std::size_t components = 1;
   SharedArray<StarMetric> metrics;    ///< empty for a lattice
-  SharedArray<double> constants;      ///< components a sample
-  SharedArray<std::uint8_t> degrees;  ///< of a sample, the same for all components
-  SharedArray<std::uint64_t> first;   ///< where in `coefficients` a sample begins; one more entry than samples
-  SharedArray<float> coefficients;    ///< without the constants; component after component
+  SharedArray<double> constants;      ///< all components of each sample
+  SharedArray<std::uint8_t> degrees;  ///< per sample, the same for all components
+  SharedArray<std::uint64_t> first;   ///< begin of each sample in `coefficients`; one more entry than samples
+  SharedArray<float> coefficients;    ///< without the constants; grouped by component
 
-  SharedArray<float> trust;  ///< of a sample, 0..1: how far it is more than linear interpolation
+  SharedArray<float> trust;  ///< per sample, 0..1: reliability of the terms beyond linear interpolation
 
   std::size_t size() const { return degrees.size(); }
-  /// p − constant at u; terms of degree 2 and more count by the factor `trust`.
+  /// p − constant at u; terms of degree 2 and more are multiplied by `trust`.
   double rise(std::size_t sample, std::size_t component, const Vec3& u) const;
-  /// The same whatever the trust.
+  /// The same without `trust`.
   double full_rise(std::size_t sample, std::size_t component, const Vec3& u) const;
-  /// M of a sample; lattices have no `metrics`.
+  /// M of a sample, also for lattices, which have no `metrics`.
   StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {
     const auto terms = static_cast<std::size_t>(monomial_count(3, degrees[sample]) - 1);
@@ -46,44 +46,53 @@ struct LocalPolynomials {
 
 struct LocalPolynomialOptions {
   StencilFitOptions fit;
-  /// How much of f_i − p_i(x_i) is added to the constant: 1 interpolates.
+  /// Share of f_i − p_i(x_i) that is added to the constant: 1 interpolates.
   double share = 1;
-  /// Whether polynomials are compared in the middles of cells, too, for the trust. Not of lattices.
+  /// Whether the trust also compares polynomials at cell centres. Not for lattices.
   bool ask_in_cells = true;
 };
 
-/// Polynomials about all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md): stencils are
-/// as many whole rings of the mesh as hold twice the number of polynomials of the highest degree. Fits are about
-/// samples and blended, not about each point as in `mls`: that is a thousand times fewer systems, the result is smooth,
-/// and the degree is chosen where there is something to judge it by. Runs in parallel.
+/// Fits polynomials at all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md). A stencil
+/// consists of as many whole rings of the mesh as contain twice the number of polynomials of the highest degree. Runs
+/// in parallel.
 ///
-/// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
-/// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
-/// correction of linear interpolation of size a whose error is of size b is best taken by such a share; where both are
-/// rounding only, it is 1. The middles of the sample's cells count in both sums as much as its edges, b the difference
-/// of the own polynomial to the mean of the corners' there (CellAgreement). Under-resolved data so end up at linear
-/// interpolation. g > 0 where nothing but differences over much shorter edges tells of the second differences over an
-/// edge, and a is large beside the differences of neighbours (docs/methods/volume-reconstruction.md): polynomials that
-/// share their samples are wrong together there.
+/// trust: polynomials of neighbours are compared half-way between the samples and at cell centres (CellAgreement). With
+/// a = correction of linear interpolation by their mean and b = half their difference, trust is Σ a² / Σ (a² + 5/2 b² +
+/// g a²), the best share of a correction of size a with an error of size b; 1 if both are rounding. g > 0 where the
+/// samples do not resolve the second differences along an edge. So under-resolved data fall back on linear
+/// interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
-/// The same in metrics that are known already.
+/// The same with given metrics.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, std::vector<StarMetric> metrics,
                                        Progress& progress);
 
-/// A chunk of samples: what one thread appends, and what is put together in order.
+/// Polynomials of one chunk of samples, written by one thread and concatenated in order.
 struct PolynomialPart {
   std::vector<double> constants;
   std::vector<float> coefficients;
   std::vector<std::uint8_t> degrees, split;
+
+  /// Appends a component of a sample: the value, corrected by the share of the residual that is not added, and the
+  /// coefficients of the polynomial's monomials.
+  void append_component(std::span<const double> monomials, double value, double share) {
+    constants.push_back(value + (1 - share) * monomials[0]);
+    for (const double m : monomials.subspan(1)) coefficients.push_back(static_cast<float>(m));
+  }
+  /// Appends the polynomials of a sample with the given values.
+  void append(const StencilFit& fit, std::span<const double> values, double share) {
+    for (std::size_t m = 0; m < values.size(); ++m) append_component(fit.monomials(m), values[m], share);
+    degrees.push_back(static_cast<std::uint8_t>(fit.degree()));
+    split.push_back(fit.split());
+  }
 };
 
-/// See fit_local_polynomials. `split` tells which polynomials are of one side of a step.
+/// See fit_local_polynomials. `split` marks one-sided polynomials at steps.
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
                                     std::span<const std::uint8_t> split, bool in_cells);
 
-/// The polynomials of all samples: `make` a fitter for a thread, append(fitter, sample, part) adds one.
+/// Fits the polynomials of all samples: `make` creates a fitter per thread, append(fitter, sample, part) adds one.
 template <class Part, class Make, class Append>
 LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeValues& values, Progress& progress,
                                     const Make& make, const Append& append, std::vector<StarMetric> metrics,

@@ -1,4 +1,4 @@
-// The order of PolynomialOrder<3> up to degree 4 as constants: what kernels unroll.
+// Compile-time table of PolynomialOrder<3> up to degree 4, which kernels unroll.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ struct MonomialTable {
   static constexpr int kTerms = 35;
   std::uint8_t exponent[kTerms][3]{};
   std::uint8_t variable[kTerms]{}, predecessor[kTerms]{};  ///< monomial(j) = x_variable · monomial(predecessor)
-  std::uint8_t lower[kTerms][3]{};                         ///< index of monomial(j) / x_k, where that is one
+  std::uint8_t lower[kTerms][3]{};                         ///< index of monomial(j) / x_k, where it exists
 
   constexpr MonomialTable() {
     int at = 0;

@@ -12,10 +12,10 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr std::size_t kMostNear = 48;    ///< samples of two rings that count: the nearest
-constexpr double kQuadraticRank = 0.01;  ///< least pivot of the basis over the largest
+constexpr std::size_t kMostNear = 48;    ///< largest number of samples of two rings in use: the nearest
+constexpr double kQuadraticRank = 0.01;  ///< smallest pivot of the basis over the largest
 constexpr double kStraightRank = 0.01;
-constexpr double kLeastDistance = 0.05;  ///< below which weights grow no more; 1 at the farthest neighbour
+constexpr double kLeastDistance = 0.05;  ///< distance below which weights are constant; 1 at the farthest neighbour
 
 }  // namespace
 

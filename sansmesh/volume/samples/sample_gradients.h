@@ -9,9 +9,10 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Components a sample: of the polynomial of degree 2 through the sample that is nearest to the samples of two rings of
-/// its star (weights: the inverse square of the distance in its metric), of degree 1 where these do not determine one
-/// of degree 2. Of a plane or a line of samples: along it. Exact for polynomials of the degree. Not for lattices.
+/// All components of each sample: gradient of the polynomial of degree 2 through the sample that best fits two rings of
+/// its star (weights: the inverse squared distance in its metric), of degree 1 where these do not determine degree 2.
+/// For coplanar or collinear samples: within their plane or line. Exact for polynomials of the degree. Not for
+/// lattices.
 std::vector<Vec3> sample_gradients(const SampledVolume& volume, const VolumeValues& values);
 
 }  // namespace sansmesh::inline v1::detail

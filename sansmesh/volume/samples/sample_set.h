@@ -1,4 +1,4 @@
-// A small set of numbers of samples, forgotten in no time.
+// A small set of sample indices with constant-time clearing.
 #pragma once
 
 #include <cstddef>
@@ -7,18 +7,18 @@
 
 namespace sansmesh::inline v1 {
 
-/// Which of a volume's samples a walk over stars has met. Its memory follows the largest walk, not the volume: one for
-/// each range of a loop costs nothing. Open addressing; slots are void unless they bear the number of the walk.
+/// The samples visited by a walk over stars. Memory is proportional to the largest walk, not to the volume, so that one
+/// set per range of a loop is cheap. Open addressing; a slot is empty unless it has the number of the current walk.
 class SampleSet {
  public:
-  /// Forgets all.
+  /// Removes all samples.
   void clear() {
     count_ = 0;
     if (++walk_ != 0) return;
     slots_.assign(slots_.size(), {});
     walk_ = 1;
   }
-  /// False if it was there.
+  /// False if it was present.
   bool insert(std::uint32_t sample) {
     if (2 * (count_ + 1) > slots_.size()) grow();
     Slot& slot = slots_[find(sample)];
@@ -34,10 +34,10 @@ class SampleSet {
     std::uint32_t sample = 0, walk = 0;
   };
 
-  /// The slot of a sample, or the void one where it would be. At least half of the slots are void.
+  /// The slot of a sample, or the empty slot for it. At least half of the slots are empty.
   std::size_t find(std::uint32_t sample) const {
     const std::size_t mask = slots_.size() - 1;
-    // Neighbours have numbers at equal distances: the upper bits of a product spread them.
+    // Neighbours have equidistant indices: the upper bits of a product spread them.
     std::size_t at = (sample * 0x9e3779b97f4a7c15ULL >> 32) & mask;
     while (slots_[at].walk == walk_ && slots_[at].sample != sample) at = (at + 1) & mask;
     return at;

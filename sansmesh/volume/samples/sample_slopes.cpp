@@ -13,13 +13,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Least spacing over the longest step of a lattice: rounder supports would hold no second slice.
+/// Smallest spacing over the longest step of a lattice: rounder supports would not contain a second slice.
 constexpr double kOfLongest = 0.6;
 
-/// How far across a level set samples are compared, in spacings, and squared cosine to the gradient.
+/// Reach of comparisons across a level set in spacings, and squared cosine to the gradient.
 constexpr double kAcross = 2.2, kCone = 0.64;
 
-/// Least volume of a sample off lattices over its cubed spacing: stars may be flat.
+/// Smallest volume of a sample off lattices over its cubed spacing: stars may be flat.
 constexpr double kLeastVolume = 1e-3;
 
 using Indices = std::array<std::size_t, 3>;
@@ -40,7 +40,7 @@ std::array<double, 3> steps(const Lattice& l, const Indices& at) {
 Vec3 lattice_gradient(const Lattice& l, std::span<const double> values, std::size_t sample) {
   const Indices at = l.indices(sample);
   const std::size_t nx = l.axes[0].size(), ny = l.axes[1].size();
-  // Three places along each axis, clamped at the ends, and how much they count.
+  // Three positions along each axis, clamped at the ends, and their weights.
   std::array<Indices, 3> near{};
   for (std::size_t a = 0; a < 3; ++a) near[a] = {before(at[a]), at[a], after(at[a], l.axes[a].size())};
   constexpr std::array<double, 3> kMean{0.25, 0.5, 0.25};
@@ -61,7 +61,8 @@ Vec3 lattice_gradient(const Lattice& l, std::span<const double> values, std::siz
   return l.directions[0] * g.x + l.directions[1] * g.y + l.directions[2] * g.z;
 }
 
-/// Calls look(sample, offset) for the samples of a box that holds all within `reach`, at most four steps along an axis.
+/// Calls look(sample, offset) for the samples in a box around the ball of radius `reach`, at most four steps along an
+/// axis.
 template <class Look>
 void look_around(const Lattice& l, std::size_t sample, double reach, const Look& look) {
   const Indices at = l.indices(sample);
@@ -109,7 +110,7 @@ double SampleSlopes::spacing(std::size_t sample) const {
 }
 
 double SampleSlopes::spacing_along(std::size_t sample, const Vec3& direction) const {
-  // The radius of the ellipsoid with these half axes, or with the moments of the neighbours.
+  // Radius of the ellipsoid with these half axes, or with the moments of the neighbours.
   double squares = 0;
   if (volume_.lattice) {
     const Lattice& l = *volume_.lattice;
@@ -130,7 +131,7 @@ double SampleSlopes::spacing_along(std::size_t sample, const Vec3& direction) co
 
 double SampleSlopes::volume(std::size_t sample) const {
   if (!volume_.lattice) {
-    // Of the box whose middle has the same moments of its neighbours as these.
+    // Of the box for which the neighbours of its centre have the same moments.
     const auto& star = volume_.stars[sample];
     double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     for (const std::uint32_t i : star) {

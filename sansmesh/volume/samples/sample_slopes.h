@@ -1,4 +1,4 @@
-// Gradient and spacing at the samples of a volume, told by the samples around: for whoever weighs samples, not places.
+// Gradient and spacing at the samples of a volume, for methods that weight samples.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,19 @@ namespace sansmesh::inline v1 {
 
 class SampleSlopes {
  public:
-  /// `values`: one a sample, finite. Both must outlive the object. On lattices nothing is computed before it is asked
-  /// for; elsewhere gradients are fitted to two rings of the stars.
+  /// `values`: one per sample, finite. Both must outlive the object. On lattices gradients are computed on demand;
+  /// elsewhere they are fitted to two rings of the stars.
   SampleSlopes(const SampledVolume& volume, std::span<const double> values);
 
-  /// Of the samples at corners of cells or in cells (value per length). On lattices differences across two steps, of
-  /// means with weights 1, 2, 1 along the other axes, which take the edge off noise.
+  /// Gradient at a sample (value per length). On lattices: differences across two steps of averages with weights 1, 2,
+  /// 1 along the other axes, which reduce noise.
   Vec3 gradient(std::size_t sample) const;
-  /// Distance to the samples around (length, > 0): on lattices the edge of the cube that a sample stands for, but no
-  /// less than 0.6 of the longest step; elsewhere the mean over the star.
+  /// Distance to the neighbouring samples (length, > 0). On lattices: the edge of the cube that a sample represents, at
+  /// least 0.6 of the longest step; elsewhere the mean over the star.
   double spacing(std::size_t sample) const;
-  /// The same along a unit vector: cells may be flat or long.
+  /// The same along a unit vector, for flat or long cells.
   double spacing_along(std::size_t sample, const Vec3& direction) const;
-  /// What the sample stands for (length³); elsewhere than on lattices about that.
+  /// Volume that the sample represents (length³); approximate except on lattices.
   double volume(std::size_t sample) const;
   /// Largest difference to a sample of its star.
   double contrast(std::size_t sample) const;
@@ -36,9 +36,9 @@ class SampleSlopes {
   std::vector<float> spacing_;   ///< empty for a lattice
 };
 
-/// The largest gradient that a sample has within 2.2 spacings across the level set at each sample: where its own is no
-/// smaller, the quantity changes most there. `steep`: norms of the gradients, one a sample; 0 for samples that are less
-/// steep than `least`.
+/// The largest gradient norm within 2.2 spacings across the level set at each sample. Where the sample's own norm is at
+/// least as large, the quantity changes most there. `steep`: norms of the gradients, one per sample; the result is 0
+/// for samples below `least`.
 std::vector<float> steepest_across(const SampledVolume& volume, const SampleSlopes& slopes,
                                    std::span<const float> steep, double least);
 

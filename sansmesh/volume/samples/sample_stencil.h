@@ -1,4 +1,4 @@
-// Neighbourhoods of samples by the mesh: rings of stars.
+// Neighbourhoods of samples in the mesh: rings of stars.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Gathers samples ring by ring. One object a thread; its memory is reused. `volume` must outlive it and be no lattice.
+/// Gathers samples ring by ring. One object per thread; it reuses memory. `volume` must outlive it and be no lattice.
 class SampleStencil {
  public:
   explicit SampleStencil(const SampledVolume& volume) : volume_(volume) {}
 
-  /// The sample, its star, the stars of these and so on, whole rings until there are at least `enough` or nothing more
-  /// is connected, at most `max_rings` of them. Of the last ring only the nearest by the metric are taken where there
-  /// would be more than `most` (of equally near ones those of lower number). Nothing is reached across gaps of the
-  /// mesh.
+  /// The sample, its star, their stars and so on: whole rings until there are at least `enough` samples or no more
+  /// connected ones, at most `max_rings` rings. If the last ring would exceed `most`, only its nearest samples in the
+  /// metric are taken (among equally near ones those of smaller index). Gaps of the mesh are not crossed.
   void gather(std::uint32_t sample, const StarMetric& metric, std::size_t enough, std::size_t most, int max_rings);
 
-  /// Ring after ring; the first is the sample itself.
+  /// Ordered by rings; the first is the sample itself.
   std::span<const std::uint32_t> samples() const { return samples_; }
-  /// Local coordinates of these.
+  /// Local coordinates of samples().
   std::span<const Vec3> local() const { return local_; }
   int rings() const { return rings_; }
 

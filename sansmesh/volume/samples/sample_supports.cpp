@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kMostOfMedian = 3;  ///< slivers along the hull of scattered samples reach far across
+constexpr double kMostOfMedian = 3;  ///< slivers along the hull of scattered samples are long
 
 }  // namespace
 
@@ -38,7 +38,7 @@ SampleSupports::SampleSupports(const SampledVolume& volume, double reach) : volu
           for (const std::uint32_t corner : volume.cells[c]) star.push_back(volume.corner(corner) - x);
       metrics_[i] = star_metric(star, fallback);
       around.clear();
-      double own = 0;  // the farthest corner of a sample's own cell, which must be covered
+      double own = 0;  // farthest corner of a sample's own cell, which must be covered
       for (const Vec3& d : star)
         if (const double t2 = squared_norm(metrics_[i](d)); t2 > 0) around.push_back(t2);
       for (const std::uint32_t c : cells[i])
@@ -68,9 +68,8 @@ SampleSupports::SampleSupports(const SampledVolume& volume, double reach) : volu
 }
 
 double SampleSupports::width(std::size_t k, std::size_t i) const {
-  const std::vector<double>& axis = volume_.lattice->axes[k];
-  const double before = i > 0 ? axis[i] - axis[i - 1] : 0, after = i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0;
-  return 3 * std::max(before, after) * std::max(before, after);
+  const double step = lattice_step(volume_.lattice->axes[k], i);
+  return 3 * step * step;
 }
 
 Vec3 SampleSupports::local(std::uint32_t sample, const Vec3& d) const {
@@ -125,7 +124,7 @@ void SampleSupports::covering_lattice(const Vec3& x, std::vector<Cover>& out) co
       if (d * slope < most) parts[k].push_back({i, d * slope, slope});
       return d * slope < most;
     };
-    // Widths may differ from knot to knot: a few that do not reach as far as others end nothing.
+    // Widths may differ from knot to knot: the search continues after a few knots out of reach.
     constexpr int kPatience = 3;
     int missed = 0;
     for (std::size_t i = middle + 1; i-- > 0 && missed < kPatience;) missed = visit(i) ? 0 : missed + 1;

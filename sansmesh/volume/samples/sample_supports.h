@@ -1,4 +1,4 @@
-// Ellipsoids around samples, as wide as their neighbourhood is in each direction: supports of local methods.
+// Ellipsoidal supports of samples, adapted to the extent of their neighbourhoods.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// The distance t_i(x) from sample i is that of its star's metric (star_metric.h), so that stretched cells are as wide
-/// as they are high, in units of the farthest of its neighbours: t_i = 1 at the farthest sample (of samples in cells
-/// also: corner) of the cells around it, but no farther than three times the median of these. Lattices are known by
-/// their steps: t = 1 at the opposite corner of the larger cell on each axis. The support of a sample is t_i < reach.
+/// The distance t_i(x) from sample i is that of its star's metric (star_metric.h), so that stretched cells become
+/// isotropic, scaled by its farthest neighbour: t_i = 1 at the farthest sample (for cell data also: corner) of the
+/// cells around it, limited to three times the median of these distances. Lattices use their steps: t = 1 at the
+/// opposite corner of the larger cell on each axis. The support of a sample is t_i < reach.
 class SampleSupports {
  public:
   struct Cover {
@@ -28,10 +28,10 @@ class SampleSupports {
   SampleSupports(const SampledVolume& volume, double reach);
 
   double reach() const { return reach_; }
-  /// Replaces `out` by the samples with t_i(x) < reach, always in the same order. From any thread.
+  /// Replaces `out` by the samples with t_i(x) < reach, in a fixed order. Safe from any thread.
   void covering(const Vec3& x, std::vector<Cover>& out) const;
-  /// Coordinates of an offset from sample i in which t_i is the length, and what takes gradients by these to gradients
-  /// by length.
+  /// Coordinates of an offset from sample i with norm t_i, and the transposed map, which converts gradients by these
+  /// coordinates to gradients by position.
   Vec3 local(std::uint32_t sample, const Vec3& offset) const;
   Vec3 transposed(std::uint32_t sample, const Vec3& u) const;
   /// t_i² at an offset from sample i, and half its gradient.
@@ -48,8 +48,8 @@ class SampleSupports {
   BoxTree tree_;
 };
 
-/// The reach for a radius in spacings, multiples of the distance of neighbours on a lattice: √3 of them cover the cells
-/// around a sample; less than 1.05 times that counts as that.
+/// Converts a radius in spacings (distance of neighbours on a lattice) to a reach. A radius of √3 covers the cells
+/// around a sample; values up to 1.05 times that count as √3.
 double reach_of_radius(double radius);
 
 }  // namespace sansmesh::inline v1::detail

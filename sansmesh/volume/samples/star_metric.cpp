@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Extents below this fraction of the largest are rounding of the positions, not thickness.
+// Extents below this fraction of the largest are rounding of the positions.
 constexpr double kFlat = 1e-7;
 
 StarMetric ball_metric(double radius) {
@@ -17,7 +17,7 @@ StarMetric ball_metric(double radius) {
   return {{Vec3f{f, 0, 0}, Vec3f{0, f, 0}, Vec3f{0, 0, f}}};
 }
 
-/// Of stars without extent.
+/// Radius for stars without extent.
 double fallback_radius(const SampledVolume& volume) {
   const double r = std::max(volume.facts.median_spacing, 1e-6 * volume.bounds().diagonal());
   return r > 0 ? r : 1;
@@ -89,7 +89,9 @@ double lattice_step(const std::vector<double>& axis, std::size_t i) {
   return std::max(i > 0 ? axis[i] - axis[i - 1] : 0, i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0);
 }
 
-StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
+StarMetric metric_of(const SampledVolume& volume, std::span<const StarMetric> metrics, std::size_t sample) {
+  if (!volume.lattice) return metrics[sample];
+  const Lattice& lattice = *volume.lattice;
   const auto at = lattice.indices(sample);
   StarMetric metric;
   for (std::size_t k = 0; k < 3; ++k)

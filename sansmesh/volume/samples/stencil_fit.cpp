@@ -10,16 +10,16 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr auto kTerms = static_cast<std::size_t>(monomial_count(3, 4));
-constexpr double kMostAmplified = 16;   // variance of predictions, in variances of samples of weight 1
-constexpr double kMostOfPlane = 100;    // of planes: a constant would be no better
-constexpr double kSmooth = 0.01;        // of the variance is left over: there may be a step
-constexpr double kGain = 0.9;           // by which a degree has to be better than the one before
-constexpr double kLeastWeight = 1e-4;   // far samples still tell polynomials apart
-constexpr double kMostLeverage = 0.98;  // a sample that decides its own value predicts nothing
-// Residuals in units of their median over 0.6745, the deviation if they were normal: from kOutlier on there is
-// something to doubt, σ is kSensitivity of them. Of clean data no weight changes, so that the order of the fit stays.
+constexpr double kMostAmplified = 16;   // largest variance of predictions, in variances of samples of weight 1
+constexpr double kMostOfPlane = 100;    // the same for planes: a constant would be no better
+constexpr double kSmooth = 0.01;        // unexplained share of the variance above which a step is possible
+constexpr double kGain = 0.9;           // factor by which a degree must improve on the previous one
+constexpr double kLeastWeight = 1e-4;   // far samples still help to determine polynomials
+constexpr double kMostLeverage = 0.98;  // a sample that determines its own value predicts nothing
+// Residuals in units of their median over 0.6745, the deviation of a normal distribution: doubt starts at kOutlier, σ
+// is kSensitivity. For clean data all weights stay unchanged, which preserves the order of the fit.
 constexpr double kOutlier = 5, kSensitivity = 3;
-constexpr double kRounding = 1e-7;  // of the largest value: residuals below tell nothing
+constexpr double kRounding = 1e-7;  // relative to the largest value: residuals below are rounding
 constexpr double kLeastTrust = 1e-6, kSettled = 0.01;
 constexpr int kMostRepeats = 10;
 
@@ -55,12 +55,12 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
   split_ = false;
   take(u, f, components);
   solve(components, tests);
-  // Values that a polynomial follows have no steps, however steep they are, unless there are but two.
+  // Values that a polynomial follows have no steps, however steep they are, unless there are only two values.
   if (options_.robust) {
     const bool smooth = unexplained_ <= kSmooth * static_cast<double>(components);
     find_step(f, n, components, smooth ? kTwoValues : kStep);
     if (split_) take(u, f, components), solve(components, tests);
-    // A single layer of samples on this side may as well be the end of a slope.
+    // A single layer of samples on this side may also be the end of a slope.
     if (split_ && !spans_space()) {
       own_.assign(n, 1), split_ = false;
       take(u, f, components), solve(components, tests);
@@ -81,7 +81,7 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
 }
 
 bool StencilFit::spans_space() {
-  // Of equal values a constant was enough.
+  // A constant suffices for equal values.
   if (fit_.size() < monomial_count(3, 1) && !fit_.raise()) return false;
   for (int j = 1; j < monomial_count(3, 1); ++j)
     if (fit_.is_dropped(j)) return false;
@@ -166,7 +166,7 @@ bool StencilFit::doubt_outliers(std::size_t components, bool first) {
   std::vector<double>& e = residuals_;
   bool any = !first;
   for (std::size_t m = 0; m < components; ++m) {
-    // Those of the degree taken, and not times the roots of the weights: far samples may lie on the other side, too.
+    // Residuals of the chosen degree, without the roots of the weights: far samples may also be on the other side.
     double* r = e.data() + m * n;
     std::copy_n(f_.begin() + static_cast<std::ptrdiff_t>(m * n), n, r);
     double largest = 0;
@@ -178,7 +178,7 @@ bool StencilFit::doubt_outliers(std::size_t components, bool first) {
     }
     sorted_.resize(n);
     for (std::size_t i = 0; i < n; ++i) sorted_[i] = std::abs(r[i]);
-    // Never wider than before: what was on the other side stays there.
+    // Never wider than before: samples on the other side stay there.
     scale_[m] = std::min(scale_[m], std::max(median(sorted_) / 0.6745, kRounding * largest));
     for (std::size_t i = 1; i < n && !any; ++i) any = std::abs(r[i]) > kOutlier * scale_[m];
   }

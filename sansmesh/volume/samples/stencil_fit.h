@@ -1,4 +1,4 @@
-// The polynomial about one sample from those around it.
+// Robust polynomial fit at one sample from its neighbourhood.
 #pragma once
 
 #include <array>
@@ -13,36 +13,28 @@ namespace sansmesh::inline v1 {
 
 struct StencilFitOptions {
   int max_degree = 3;  ///< 0..4
-  bool robust = true;  ///< samples on the other side of a step do not count
-  /// Weights are exp(−‖u‖² / width²), width in units of the local metric. Wider ones smooth.
+  bool robust = true;  ///< samples on the other side of a step have no weight
+  /// Weights are exp(−‖u‖² / width²), width in units of the local metric. Larger widths smooth more.
   double width = 1.1;
 };
 
-/// Weighted least squares in orthogonal polynomials over a stencil (METHODS §1.3, §6.1), of the degree that predicts
-/// best: the degree is raised as long as
-/// - there are 1.5 samples a polynomial,
-/// - a unit of noise at the samples stays below four at all places where the polynomial is going to be used (the
-///   variance of predictions, Σ ψ_j²/⟨ψ_j, ψ_j⟩: what samples do not determine is large there),
-/// - and the mean square of errors of leaving a sample out (weighted; e_i / (1 − h_ii), no fit anew) falls by a tenth.
-/// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between
-/// them that is three times as wide as any other and a third of their range (or, whatever is explained, twenty times as
-/// wide), a step between materials, only the group of the sample itself counts (robust), unless this lies in a plane:
-/// nothing tells then whether values rise across it. Then, if a residual exceeds
-/// five deviations (the median of all over 0.6745), weights become w_i ψ'(e_i²) = w_i exp(−e_i² / (2 σ²)), w_i those of
-/// distance and e_i the residuals f_i − p(u_i) of the fit before, of all components; σ is three deviations, of the fit
-/// where they were least. Polynomials are made orthogonal anew and fitted, until no weight changes by more than a
-/// hundredth of w_i, ten times at most. The sample itself keeps its weight.
+/// Weighted least squares in orthogonal polynomials over a stencil, with adaptive degree and robust weights
+/// (tejada2008, 3.3, 6.2; docs/methods/volume-reconstruction.md).
+/// - The degree increases while there are 1.5 samples per polynomial, the variance Σ ψ_j²/⟨ψ_j, ψ_j⟩ of predictions at
+///   the test points stays bounded, and the leave-one-out error falls by a tenth.
+/// - At a step between materials only the samples on the side of the sample itself count, unless they are coplanar.
+/// - Outliers receive smaller weights, iteratively. The sample itself keeps its weight.
 ///
-/// One object a thread; its memory is reused.
+/// One object per thread; it reuses memory.
 class StencilFit {
  public:
   explicit StencilFit(const StencilFitOptions& options) : options_(options) {}
 
-  /// u: local coordinates of the samples, the first is the one that the polynomial is about (0). f: values less that of
-  /// the first, component after component, u.size() each. tests: local coordinates of where the polynomial is used.
+  /// u: local coordinates of the samples, the first is the sample itself (0). f: values minus that of the first,
+  /// grouped by component, u.size() each. tests: local coordinates of the points where the polynomial is used.
   void fit(std::span<const Vec3> u, std::span<const double> f, std::size_t components, std::span<const Vec3> tests);
 
-  /// Whether the values fall into two groups as above: a test that costs much less than a fit.
+  /// Whether the values form two groups as above: a test that is much cheaper than a fit.
   bool has_step(std::span<const double> f, std::size_t n, std::size_t components) {
     own_.assign(n, 1);
     split_ = false;
@@ -51,20 +43,20 @@ class StencilFit {
   }
 
   int degree() const { return degree_; }
-  /// Coefficients of the monomials in u, of the constant first: monomial_count(3, degree()) a component.
+  /// Coefficients of the monomials in u, the constant first: monomial_count(3, degree()) per component.
   std::span<const double> monomials(std::size_t component) const {
     const auto terms = static_cast<std::size_t>(monomial_count(3, degree_));
     return std::span(monomials_).subspan(component * terms, terms);
   }
-  /// Whether a step was found, and whether a sample of the stencil is on the own side of it.
+  /// Whether a step was found, and whether a sample of the stencil is on the same side of it.
   bool split() const { return split_; }
   bool own_side(std::size_t sample) const { return own_[sample] != 0; }
 
  private:
   void take(std::span<const Vec3> u, std::span<const double> f, std::size_t components);
-  static constexpr double kStep = 3, kTwoValues = 20;  // of the widest gap of values to the next
+  static constexpr double kStep = 3, kTwoValues = 20;  // ratio of the widest gap of values to the next one
   void find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio);
-  bool spans_space();  // whether the samples taken tell of slopes in all directions
+  bool spans_space();  // whether the samples in use determine slopes in all directions
   void solve(std::size_t components, std::span<const Vec3> tests);
   bool doubt_outliers(std::size_t components, bool first);
 

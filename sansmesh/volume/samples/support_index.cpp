@@ -1,4 +1,5 @@
 #include "sansmesh/volume/samples/support_index.h"
+#include "sansmesh/volume/cells/cell_corners.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,7 @@ SupportIndex::SupportIndex(const SampledVolume& volume, std::span<const StarMetr
     : volume_(&volume), metrics_(metrics), radii_(radii) {
   tree_ = BoxTree(radii.size(), [&](std::size_t i) {
     const Vec3 x = volume.position(i);
-    const StarMetric metric = volume.lattice ? lattice_metric(*volume.lattice, i) : metrics[i];
+    const StarMetric metric = metric_of(volume, metrics, i);
     const Vec3 e = ellipsoid_extent(metric, static_cast<double>(radii[i]));
     return Box3{x - e, x + e};
   });
@@ -33,13 +34,9 @@ SupportIndex::SupportIndex(const SampledVolume& volume, std::span<const StarMetr
 
 std::size_t SupportIndex::hull_of(const VolumePlace& cell, std::array<Vec3, 8>& hull) const {
   const std::size_t count = cell.corner_count;
-  if (!volume_->lattice) {
-    for (std::size_t v = 0; v < count; ++v) hull[v] = volume_->corner(cell.corners[v]);
-    return count;
-  }
-  for (std::size_t v = 0; v < count; ++v) hull[v] = volume_->lattice->position(cell.corners[v]);
-  if (!volume_->in_cells) return count;
-  // Cells at the ends of lattices of samples in cells go on for half a cell.
+  for (std::size_t v = 0; v < count; ++v) hull[v] = corner_position(*volume_, cell.corners[v]);
+  if (!volume_->lattice || !volume_->in_cells) return count;
+  // The outermost cells of cell-data lattices extend by half a cell.
   const Vec3 middle = (hull[0] + hull[6]) * 0.5;
   for (Vec3& x : hull) x = middle + (x - middle) * 2.0;
   return count;
@@ -78,12 +75,12 @@ void SupportIndex::of_place(const Vec3& x, std::span<const std::uint32_t> star, 
   leave_connected(kRings - 1, memory);
 }
 
-// Leaves those that may reach the convex hull of some points: its box in local coordinates is nearer than the radius.
+// Keeps supports that may reach the convex hull of some points: their box in local coordinates is within the radius.
 void SupportIndex::leave_near(std::span<const Vec3> hull, Memory& memory) const {
   Vec3 middle;
   for (const Vec3& x : hull) middle += x;
   middle = middle / static_cast<double>(hull.size());
-  // Corners about their middle, as many as a vector has lanes; those that are not there stand for it.
+  // Corners relative to their centre, one per vector lane; the centre fills unused lanes.
   constexpr std::size_t kMost = 8;
   float x[kMost] = {}, y[kMost] = {}, z[kMost] = {};
   for (std::size_t v = 0; v < hull.size(); ++v) {
@@ -91,7 +88,7 @@ void SupportIndex::leave_near(std::span<const Vec3> hull, Memory& memory) const 
     x[v] = d.x, y[v] = d.y, z[v] = d.z;
   }
   std::erase_if(memory.supports, [&](std::uint32_t i) {
-    const StarMetric metric = volume_->lattice ? lattice_metric(*volume_->lattice, i) : metrics_[i];
+    const StarMetric metric = metric_of(*volume_, metrics_, i);
     const Vec3f to(middle - volume_->position(i));
     const float reach = radii_[i] * radii_[i] * 1.0001f;
     float u[3], squared = 0;
@@ -120,7 +117,7 @@ void SupportIndex::leave_connected(int rings, Memory& memory) const {
   for (const std::uint32_t i : memory.near) memory.seen.insert(i);
   std::size_t first = 0, met = 0;
   for (int ring = 0; ring < rings; ++ring) {
-    // Most often all are found after a ring or two.
+    // Usually all are found after a ring or two.
     while (met < memory.supports.size() && seen(memory.supports[met])) ++met;
     if (met == memory.supports.size()) return;
     const std::size_t last = memory.near.size();

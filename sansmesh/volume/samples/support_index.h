@@ -1,4 +1,4 @@
-// Which supports count where: ellipsoids around samples, found by a tree, that do not reach across gaps of the mesh.
+// Finds the ellipsoidal supports at a point with a tree; supports do not cross gaps of the mesh.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class SupportIndex {
   /// Supports ‖M_i (x − x_i)‖ < radii[i]. `metrics` are empty for a lattice. All three must outlive it.
   SupportIndex(const SampledVolume& volume, std::span<const StarMetric> metrics, std::span<const float> radii);
 
-  /// What a thread keeps between queries, and their answers.
+  /// Per-thread buffers and results of queries.
   struct Memory {
     std::vector<std::uint32_t> supports;  ///< ascending
     std::uint32_t own = 0;                ///< a sample of the cell
@@ -29,12 +29,12 @@ class SupportIndex {
     std::vector<std::uint32_t> near;
     SampleSet seen;
   };
-  /// Those that may hold points of a cell, and hardly any others; returns the middle of the cell's box. Only supports
-  /// count whose sample is at most kRings edges of the mesh away from the samples of the cell.
+  /// Supports that may contain points of a cell, with few false positives; returns the centre of the cell's box. Only
+  /// supports of samples within kRings mesh edges of the cell's samples count.
   Vec3 of_cell(const VolumePlace& cell, Memory& memory) const;
-  /// Those that hold a sample, within as many edges of the mesh from it.
+  /// Supports that contain a sample, within kRings mesh edges.
   void of_sample(std::uint32_t sample, Memory& memory) const;
-  /// Those that hold x, within kRings edges of a place whose star is given. Not for lattices.
+  /// Supports that contain x, within kRings edges of a point with the given star. Not for lattices.
   void of_place(const Vec3& x, std::span<const std::uint32_t> star, Memory& memory) const;
 
   static constexpr int kRings = 4;

@@ -1,5 +1,5 @@
-// A project outside sansmesh, with only what find_package(sansmesh) gives: reconstructs a ball, probes a volume and
-// traces a flow.
+// A project outside sansmesh that uses only find_package(sansmesh): reconstructs a ball, probes a volume and traces a
+// flow.
 #include <sansmesh/flow.h>
 #include <sansmesh/io.h>
 #include <sansmesh/reconstruct.h>

@@ -1,0 +1,31 @@
+# Sources of the library that the first picture of ./run needs (target sansmesh_first): those whose path in sansmesh/ matches
+# one of SANSMESH_FIRST and none of SANSMESH_LATER. They make libraries of their own, which the whole tool links as well, so
+# that nothing is compiled twice. A source that is missing here shows when sansmesh_first is linked.
+set(SANSMESH_FIRST
+    "^(core|schema|data|search|field|points|triangulation|partition|meshing|model|render)/"
+    "^approximation/(orthogonal|polynomial)"
+    "^io/([a-z_]+|points/.*|meshes/.*)\\.cpp"
+    "^mesh/([a-z_]+|edit/(clip|collapse|edge_collapses|simplify|tubes).*|repair/components)\\.cpp"
+    "^polygonize/(extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
+    "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
+    "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
+    "^jobs/(color_bar|draw_|fit_words|frame_names|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points)"
+    "^io/grids/(nek|plot3d)_read"  # told apart from points by name or content
+    "^(volume/volume_method|flow/flow_integrator|dynamics/body_integrator)\\.cpp")  # registries that `sansmesh schema` lists
+set(SANSMESH_LATER "^meshing/mesh_csg" "^model/methods/(implicit|projection|mpu)" "^render/(scene/flow_texture|splat/splat_scene)")
+
+# Whether the first picture needs a source: sets RESULT.
+function(sansmesh_needed_first source result)
+  set(needed OFF)
+  foreach(pattern IN LISTS SANSMESH_FIRST)
+    if(source MATCHES "${pattern}")
+      set(needed ON)
+    endif()
+  endforeach()
+  foreach(pattern IN LISTS SANSMESH_LATER)
+    if(source MATCHES "${pattern}")
+      set(needed OFF)
+    endif()
+  endforeach()
+  set(${result} ${needed} PARENT_SCOPE)
+endfunction()
