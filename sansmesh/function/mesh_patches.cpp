@@ -1,5 +1,4 @@
 #include "sansmesh/function/mesh_patches.h"
-#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>
@@ -33,8 +32,8 @@ std::vector<KeyIndex> ordered_half_edges(const std::vector<Triangle>& triangles)
   std::vector<KeyIndex> keys;
   keys.reserve(3 * triangles.size());
   for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
-    const auto [low, high] = std::minmax(triangles[h / 3][h % 3], triangles[h / 3][(h % 3 + 1) % 3]);
-    if (low != high) keys.push_back({std::uint64_t{low} << 32 | high, h});
+    const std::uint32_t a = triangles[h / 3][h % 3], b = triangles[h / 3][(h % 3 + 1) % 3];
+    if (a != b) keys.push_back({edge_key(a, b), h});
   }
   parallel_sort(keys);
   return keys;

@@ -209,11 +209,7 @@ void SpaceTimeLattice::divide(Progress& progress) {
     if (static_cast<double>(tree.size()) + BlockTreeN<4>::kChildren * more > kMostSpaceTimeBlocks)
       throw ArgumentError(fmt::format("`cell` and `time_cell` would make more than {} million blocks",
                                       kMostSpaceTimeBlocks / 1'000'000));
-    level.clear();
-    for (const std::uint32_t b : next) {
-      const auto first = static_cast<std::uint32_t>(tree.subdivide(b));
-      for (std::uint32_t c = 0; c < BlockTreeN<4>::kChildren; ++c) level.push_back(first + c);
-    }
+    level = tree.subdivide_all(next);
   }
   tree.balance();
 }
