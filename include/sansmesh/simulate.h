@@ -92,8 +92,9 @@ struct SANSMESH_API SimulationPlan {
 };
 
 /// Combines options and scene. Missing values come from materials of the cells (arrays `density`, `young` and
-/// `poisson`), or are a unit and material that suit the body (recommended_options); a floor is added if nothing else stops
-/// an endless fall. Throws ArgumentError, SceneError, and DataError for bodies and materials that cannot be simulated.
+/// `poisson`), or are a unit and material that suit the body (recommended_options); a floor is added if nothing else
+/// stops an endless fall. Throws ArgumentError, SceneError, and DataError for bodies and materials that cannot be
+/// simulated.
 SANSMESH_API SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options);
 /// Plans for a body from a file. Bodies and scenes that cannot be simulated then give a FileError with the name of
 /// their file, here and in simulate().
