@@ -98,7 +98,7 @@ TEST_F(DiagnoseCommand, WithoutPlacesThereIsNothingToLookAt) {
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
   const Outcome outcome = run({"diagnose", "ball.smf", "--pictures", "places.png"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("no place to look at"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("there are no doubtful regions"), std::string::npos) << outcome.out;
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "ball.smf"}));
 }
 
