@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/displacement_map.h"
