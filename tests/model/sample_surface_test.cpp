@@ -82,7 +82,8 @@ TEST(RecommendedSurface, LeavesTheLeastError) {
     project(waves, model, &report);
     return report.rms_move;
   };
-  EXPECT_LE(moved(recommended(waves)), std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
+  EXPECT_LE(moved(recommended(waves)),
+            std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
 }
 
 TEST(ProjectPoints, LeavesOutWhatIsFarFromSamples) {
