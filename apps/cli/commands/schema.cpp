@@ -150,7 +150,7 @@ Json json_of_formats() {
     for (const WrittenAs& as : format->written)
       if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
     Json one = {{"name", format->name},
-                {"endings", parts_between(format->endings, ' ')},
+                {"endings", format->endings.empty() ? Json::array() : Json(parts_between(format->endings, ' '))},
                 {"reads", words(format->reads)},
                 {"writes", written}};
     if (!format->module.empty()) one["module"] = format->module;
