@@ -87,7 +87,7 @@ TEST_F(DeformCutTool, BadCutsAreNamed) {
       {"half-plane(0,0,0; 0,0,one; 1,0,2)", "'0,0,one' is not x,y,z"},
       {"polygon(0,0,0; 1,0,0)", "at least three are needed"},
       {"polygon(0,0; 1,0,0)", "is not x,y,z"},
-      {"polygon(0,0,0; 1,0,0; 0,1,0", "no ')' at its end"},
+      {"polygon(0,0,0; 1,0,0; 0,1,0", "')' is missing at its end"},
       {"plane(0,0,1)", "neither half-plane"},
       {"nothing.ply", "nothing.ply"},
   };

@@ -140,7 +140,7 @@ TEST_F(DeformTool, FoldsAreToldWithTheRemedy) {
   const Outcome o = run({"deform", "box(from=(0,0,0), to=(1,1,1))", "--handles", "cross.csv", "-o", "c.ply",
                          "--resolution", "16", "--json"});
   ASSERT_EQ(o.code, 0) << o.err;
-  EXPECT_NE(o.err.find("folded"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("space folds in"), std::string::npos) << o.err;
   EXPECT_NE(o.err.find("--alpha"), std::string::npos);
   const Json json = Json::parse(o.out);
   EXPECT_GT(json["output"]["folded"].get<double>(), 0.001);

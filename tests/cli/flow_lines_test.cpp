@@ -238,16 +238,16 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
     EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
     return nlohmann::json::parse(outcome.out);
   };
-  EXPECT_EQ(
-      told({"lines", "rotation", "--seeds", "points(gap.csv)"}, "gap.csv: 1 of 5 seeds not finite")["seeds"]["count"],
-      4);
+  EXPECT_EQ(told({"lines", "rotation", "--seeds", "points(gap.csv)"},
+                 "gap.csv: 1 of 5 seeds dropped: not finite")["seeds"]["count"],
+            4);
   told({"lines", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 seeds outside");
   EXPECT_EQ(told({"lines", "rotation", "--seeds", "mesh(many.ply)"}, "")["output"]["lines"], 5000);
   // Repeated points of the curve are allowed; points on the boundary of the flow count as inside.
   const auto ring = told({"surface", "rotation", "--seeds", "curve(gap.csv)", "--particles", "50"}, "1 of 5 seeds");
   EXPECT_NEAR(ring["area"].get<double>(), 0.25 * (1 - 0.25), 1e-3);
   EXPECT_EQ(told({"surface", "rotation", "--seeds", "line(0,0,2, 1,0,2, 20)"}, "")["surface"]["tears"], 0);
-  told({"surface", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 particles began outside");
+  told({"surface", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 particles started outside");
 
   const auto surface = [&](const std::string& seeds) {
     return std::vector<std::string>{"flow", "surface", "rotation", "--seeds", seeds, "--duration", "1", "-o", "x.ply"};
@@ -282,11 +282,11 @@ TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
   };
   refused({path("still.mhd")}, "zero at all seeds");
   refused({path("points.csv")}, "has no vectors");
-  refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed lies in the flow");
+  refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed is in the flow");
   refused({"rotation", "--seeds", "line(1,2)"}, "line(ax,ay,az");
   refused({"nowhere"}, "no flow by formula");
   refused({path("still.mhd"), "--unsteady"}, "one step in time");
-  refused({"rotation", "--kind", "streak", "--direction", "both"}, "one way");
+  refused({"rotation", "--kind", "streak", "--direction", "both"}, "have one direction");
   refused({"rotation", "--color-by", "speed"}, "need --preview");
   refused({"rotation", "--preview", path("p.png"), "--color-by", "heat"}, "time, speed, velocity, vorticity");
   refused({"rotation", "--preview", path("p.png"), "--tube-radius", "0"}, "--tube-radius");

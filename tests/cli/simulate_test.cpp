@@ -210,7 +210,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--poisson", "0.7"}, 2, {"--poisson"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--integrator", "explicit-euler", "--damping", "0"},
        2,
-       {"explicit-euler is not stable"}},
+       {"explicit-euler is unstable"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"}, 2, {"only two of"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--embedded-volume needs pictures"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},

@@ -121,7 +121,7 @@ TEST_F(VolumeFit, ErrorsAreOneLineAndLeaveNothing) {
                    {{"volume", "fit", "data.csv", "-o", "missing/data.smv"}, 1, {"folder does not exist"}},
                    {{"volume", "fit", "missing.csv", "-o", "data.smv"}, 1, {"missing.csv"}},
                    {{"volume", "probe", "heat.smv", "--array", "flow", "--at", "0,0,0"}, 2, {"--array", "holds heat"}},
-                   {{"volume", "probe", "heat.smv", "cube.mha", "--at", "0,0,0"}, 1, {"read on its own"}},
+                   {{"volume", "probe", "heat.smv", "cube.mha", "--at", "0,0,0"}, 1, {"must be the only file"}},
                    {{"volume", "probe", "heat.smv", "--time-step", "2", "--at", "0,0,0"}, 2, {"--time-step"}},
                    {{"volume", "probe", "heat.smv", "--method", "cubic", "--at", "0,0,0"}, 2, {"cubic"}},
                    {{"volume", "probe", "cut.smv", "--at", "0,0,0"}, 1, {"cut.smv", "truncated"}},
