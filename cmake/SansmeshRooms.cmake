@@ -32,7 +32,7 @@ function(sansmesh_library_settings target)
   target_link_libraries(${target} PRIVATE TBB::tbb hwy::hwy fmt::fmt PNG::PNG ZLIB::ZLIB embree Qhull::qhull_r Eigen3::Eigen nlohmann_json::nlohmann_json)
   set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)  # what is not called needs not be there to link
-  if(target STREQUAL "sansmesh_core")
+  if(target MATCHES "_(core|followed)$")  # sources that a fuzzer follows have a setting of their own
     target_precompile_headers(${target} PRIVATE ${SANSMESH_COMMON_HEADERS})
   else()
     target_precompile_headers(${target} REUSE_FROM sansmesh_core)
