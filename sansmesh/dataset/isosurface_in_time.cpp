@@ -29,6 +29,7 @@ std::vector<IsosurfaceStep> checked_steps(std::vector<IsosurfaceStep> steps) {
 
 std::vector<double> times_of(const std::vector<IsosurfaceStep>& steps) {
   std::vector<double> times;
+  times.reserve(steps.size());
   for (const IsosurfaceStep& step : steps) times.push_back(step.time);
   check_step_times(times);
   return times;

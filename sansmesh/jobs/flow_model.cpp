@@ -60,6 +60,7 @@ ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
   std::vector<std::string> names;
+  names.reserve(arrays.size());
   for (const DatasetArray& a : arrays) names.push_back(fmt::format("{} ({})", a.name, a.components));
   throw DataError(names.empty() ? volume.name() + ": has no arrays"
                                 : fmt::format("{}: has no vectors; its arrays and their components: {}", volume.name(),

@@ -165,6 +165,7 @@ CommandLine* CommandLine::subcommand(const std::string& word) const {
 
 std::vector<std::string> CommandLine::command_names() const {
   std::vector<std::string> names;
+  names.reserve(commands_.size());
   for (const auto& command : commands_) names.push_back(command->name_);
   return names;
 }

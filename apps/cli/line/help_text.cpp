@@ -46,7 +46,7 @@ std::string positional_words(const OptionEntry& option) {
 }  // namespace
 
 std::string option_words(const OptionEntry& o) {
-  const std::string text = fmt::format("{}", fmt::join(o.names, ", "));
+  std::string text = fmt::format("{}", fmt::join(o.names, ", "));
   if (o.positional()) return o.several ? text + " ..." : text;
   if (o.kind == OptionEntry::Kind::flag) return text;
   return text + (o.implied ? " [" + o.value_name + "]" : " " + o.value_name);
