@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/group_rows.h"

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/repair/components.h"
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 

@@ -10,7 +10,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include "sansmesh/core/edge_key.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

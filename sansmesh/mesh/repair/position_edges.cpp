@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"

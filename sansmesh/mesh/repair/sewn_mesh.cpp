@@ -7,7 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/data/triangles.h"
