@@ -14,8 +14,10 @@ set(SANSMESH_FIRST
     "^(volume/volume_method|flow/flow_integrator|dynamics/body_integrator)\\.cpp")  # registries that `sansmesh schema` lists
 set(SANSMESH_LATER "^meshing/mesh_csg" "^model/methods/(implicit|projection|mpu)" "^render/(scene/flow_texture|splat/splat_scene)")
 
-# Whether the first picture needs a source: sets RESULT.
+# Sets RESULT to whether the first picture needs SOURCE, a path as target_sources() takes it.
 function(sansmesh_needed_first source result)
+  get_filename_component(source ${source} ABSOLUTE)
+  file(RELATIVE_PATH source ${PROJECT_SOURCE_DIR}/sansmesh ${source})
   set(needed OFF)
   foreach(pattern IN LISTS SANSMESH_FIRST)
     if(source MATCHES "${pattern}")

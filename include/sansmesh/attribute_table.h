@@ -25,10 +25,10 @@ inline constexpr std::size_t size_of(NumberType t) {
   return sizes[static_cast<std::size_t>(t)];
 }
 
-/// Whether the type is float or double.
+/// True for float and double.
 inline constexpr bool is_real(NumberType t) { return t == NumberType::f32 || t == NumberType::f64; }
 
-/// Whether the type has negative numbers: signed integers, float and double.
+/// True for types with negative numbers: signed integers, float and double.
 inline constexpr bool is_signed(NumberType t) {
   return t != NumberType::u8 && t != NumberType::u16 && t != NumberType::u32 && t != NumberType::u64;
 }
@@ -147,7 +147,7 @@ class SANSMESH_API AttributeTable {
   /// least one row. NaN counts only if a group has no other value.
   AttributeTable means(std::span<const std::uint32_t> group, std::span<const double> weight, std::size_t groups) const;
 
-  /// Whether all arrays are equal and in the same order.
+  /// True if all arrays are equal and in the same order.
   friend bool operator==(const AttributeTable&, const AttributeTable&) = default;
 
  private:

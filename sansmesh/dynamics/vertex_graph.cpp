@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "sansmesh/box.h"
 #include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 
 namespace sansmesh::inline v1 {

@@ -28,7 +28,7 @@ struct CloudInput {
   ReadFiles report() const { return {files}; }
   /// Also reports what was read.
   ReadCloud report(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
-  /// Whether it is a function file instead of a cloud. Throws ArgumentError if point classes were given for a function.
+  /// True for a function file, false for a cloud. Throws ArgumentError if point classes were given for a function.
   bool is_function() const;
   /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings
   /// are sent to the console. Throws FileError.

@@ -45,9 +45,9 @@ void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 /// Removes the leading word `data` from the files of a command for points. Returns true if it was there, which marks
 /// the files as a volume.
 bool take_volume_word(std::vector<std::string>& files);
-/// Whether every file must be a volume, by its name or content.
+/// True if the name or content of every file shows a volume.
 bool are_volumes(const std::vector<std::string>& files);
-/// Whether the leading word `data`, or the files, indicate a volume.
+/// True if the leading word `data`, or the files, indicate a volume.
 bool is_volume_input(std::vector<std::string>& files);
 
 /// Isosurface named FILE[ARRAY=VALUE].
@@ -69,7 +69,7 @@ struct VolumeColors {
   VolumePictureOptions look;  ///< its preset, opacity and iso-surfaces
   std::string transfer;       ///< file name
 
-  /// Whether none of the options was given.
+  /// True if none of the options was given.
   bool is_default() const { return transfer.empty() && options_set(look).empty(); }
   /// Reads the file of the transfer function. Throws FileError and ArgumentError.
   void apply_to(VolumePictureOptions& options) const;

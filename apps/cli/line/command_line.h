@@ -88,7 +88,7 @@ class CommandLine {
   /// The global options do not apply to this command.
   void without_common_options() { common_ = false; }
 
-  /// Whether the command or the whole tool has that option.
+  /// True if the command or the whole tool has that option.
   bool has(const std::string& flag) const { return find(flag) != nullptr; }
   /// Option by its flag; null if there is none.
   OptionEntry* find(const std::string& flag) const;

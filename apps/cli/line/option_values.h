@@ -21,7 +21,7 @@ ValueError must_be(const std::string& form, const std::string& text);
 double parse_real(const std::string& word);
 /// Parses a whole number, also "1e6". Throws ValueError, also outside least..most.
 long long parse_whole(const std::string& word, long long least, long long most);
-/// Whether a word is a number or a comma-separated list of numbers.
+/// True for a number and for a comma-separated list of numbers.
 bool are_numbers(const std::string& word);
 /// Suggestion for a word that is no number, "1,000" or "5mm": ": write 1000"; empty without one.
 std::string number_hint(const OptionEntry& option, const std::string& word);

@@ -190,7 +190,7 @@ class LineReader {
     if (option->in_order) given_.push_back({option, before, option->values.size() - before});
   }
 
-  /// Whether the next word may be a value, judged by the command line alone.
+  /// True if the next word may be a value, judged by the command line alone.
   bool value_follows() const {
     if (next_ + 1 >= words_.size()) return false;
     const std::string& word = words_[next_ + 1];

@@ -18,7 +18,7 @@ struct PictureArguments {
   ViewOptions view;
 
   bool has_view() const { return view.has_direction(); }
-  /// Whether any option was given that only applies to pictures.
+  /// True if an option was given that applies to pictures only.
   bool any() const { return !options_set(options).empty() || !options_set(view).empty(); }
   /// Throws ArgumentError for an impossible part of the picture.
   RenderOptions chosen() const { return view.applied_to(options); }

@@ -44,7 +44,7 @@ class Console {
   /// error message; may be empty. Throws Cancelled.
   std::string rescue_frames();
 
-  /// Whether text results are printed; measures that only serve them can be skipped otherwise.
+  /// True if text results are printed. If not, commands may skip measures that only serve them.
   bool prints_text() const { return !options_.json && !options_.quiet; }
   /// Prints a result as text unless --json or --quiet. After files were written, it waits for finish().
   void print(const std::string& line);
