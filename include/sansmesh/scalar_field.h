@@ -52,7 +52,7 @@ class SANSMESH_API ScalarField {
   }
 
   /// Both functions through the common interface of fields. Throws ArgumentError if sizes differ.
-  void query(const Places& at, const ScalarAnswers& wanted) const;
+  void query(const QueryPoints& at, const ScalarFieldValues& wanted) const;
 
   /// Bounds the values within `radius` (>= 0) of each of x: if the interval does not contain 0, no surface is within
   /// this distance. As many entries as x; infinite ends if nothing is known. The default (for fields of samples or of

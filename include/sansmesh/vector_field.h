@@ -57,7 +57,7 @@ class SANSMESH_API VectorField {
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
 
   /// Same, through the common interface of fields. Throws ArgumentError if sizes differ.
-  void query(const Places& at, const VectorAnswers& wanted) const;
+  void query(const QueryPoints& at, const VectorFieldValues& wanted) const;
 };
 
 }  // namespace sansmesh::inline v1

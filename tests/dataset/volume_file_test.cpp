@@ -37,20 +37,20 @@ GridData only(GridData data, Association of) {
   return data;
 }
 
-struct AnswersOfField {
+struct EvaluatedField {
   std::vector<double> values, spacing;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> inside, degrees;
-  friend bool operator==(const AnswersOfField&, const AnswersOfField&) = default;
+  friend bool operator==(const EvaluatedField&, const EvaluatedField&) = default;
 };
 
 /// Answers at points inside and around the volume, without NaN, for comparison.
-AnswersOfField answers_of(const VolumeField& field, const SampledVolume& volume) {
+EvaluatedField evaluated(const VolumeField& field, const SampledVolume& volume) {
   std::vector<Vec3> x = places_within(volume, 150);
   const Box3 box = volume.bounds();
   for (int k = 0; k < 30; ++k) x.push_back(box.center() + (x[static_cast<std::size_t>(k)] - box.center()) * 2.5);
   const std::size_t n = x.size(), c = field.components();
-  AnswersOfField a{std::vector<double>(n * c), std::vector<double>(n), std::vector<Vec3>(n * c),
+  EvaluatedField a{std::vector<double>(n * c), std::vector<double>(n), std::vector<Vec3>(n * c),
                    std::vector<std::uint8_t>(n), std::vector<std::uint8_t>(n)};
   field.evaluate(x, {a.values, a.gradients, a.inside});
   if (const auto* const polynomials = dynamic_cast<const DegreeField*>(&field)) polynomials->degrees(x, a.degrees);
@@ -74,7 +74,7 @@ class VolumeFile : public ::testing::Test {
     VolumeDataset opened = stored(dataset.fit("f", options, false, progress));
     const auto same = opened.field({"f", {}, false}, options, progress, &again);
     EXPECT_EQ(opened.volume("f", progress)->size(), volume->size());
-    EXPECT_TRUE(answers_of(*field, *volume) == answers_of(*same, *volume));
+    EXPECT_TRUE(evaluated(*field, *volume) == evaluated(*same, *volume));
     EXPECT_EQ(report.by_degree, again.by_degree);
     EXPECT_EQ(report.notes, again.notes);
     EXPECT_EQ(report.options.epsilon, again.options.epsilon);
@@ -131,7 +131,7 @@ TEST_F(VolumeFile, UsesStoredCoefficientsInsteadOfAFit) {
     }
     VolumeDataset opened(read_volume_file(folder_.put(name, packed(sections, "SMV", 0))));
     const auto volume = opened.volume("f", progress);
-    return answers_of(*opened.field({"f", {}, false}, by("amls"), progress), *volume);
+    return evaluated(*opened.field({"f", {}, false}, by("amls"), progress), *volume);
   };
   const auto before = answers_with(0, "same.smv"), after = answers_with(0.5, "more.smv");
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
@@ -219,8 +219,8 @@ TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   VolumeDataset opened = stored(dataset.fit("f", planes, true, progress));
   const auto volume = dataset.volume("f", progress);
   const auto expect_same = [&](const char* array, const ReconstructionOptions& options) {
-    EXPECT_TRUE(answers_of(*dataset.field({array, {}, false}, options, progress), *volume) ==
-                answers_of(*opened.field({array, {}, false}, options, progress), *volume))
+    EXPECT_TRUE(evaluated(*dataset.field({array, {}, false}, options, progress), *volume) ==
+                evaluated(*opened.field({array, {}, false}, options, progress), *volume))
         << array << " " << *options.method;
   };
   expect_same("where", by("mls-detail"));

@@ -178,10 +178,10 @@ class ClearVolume final : public VolumeField {
   explicit ClearVolume(const Box3& box) : box_(box) {}
   std::size_t components() const override { return 1; }
   Box3 bounds() const override { return box_; }
-  void evaluate(std::span<const Vec3> /*x*/, const VolumeAnswers& answers) const override {
-    std::fill(answers.values.begin(), answers.values.end(), 0.0);
-    std::fill(answers.gradients.begin(), answers.gradients.end(), Vec3{});
-    std::fill(answers.inside.begin(), answers.inside.end(), std::uint8_t{1});
+  void evaluate(std::span<const Vec3> /*x*/, const VolumeFieldValues& values) const override {
+    std::fill(values.values.begin(), values.values.end(), 0.0);
+    std::fill(values.gradients.begin(), values.gradients.end(), Vec3{});
+    std::fill(values.inside.begin(), values.inside.end(), std::uint8_t{1});
   }
   void spacing(std::span<const Vec3> /*x*/, std::span<double> found) const override {
     std::fill(found.begin(), found.end(), box_.diagonal());

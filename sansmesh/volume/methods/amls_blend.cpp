@@ -180,7 +180,7 @@ class AmlsBlend final : public GroupedField {
     }
   }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void answer(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     Desk& desk = *static_cast<Borrowed&>(memory).desk;
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();

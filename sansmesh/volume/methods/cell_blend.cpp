@@ -28,7 +28,7 @@ class CellBlend final : public GroupedField {
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Tile>(); }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void answer(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(CellTile::kTile == kMostPoints);
     CellTile& tile = static_cast<Tile&>(memory).tile;
     const std::size_t n = group.size, c = components(), count = group.cell.corner_count;

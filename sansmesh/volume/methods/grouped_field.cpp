@@ -25,13 +25,13 @@ struct GroupedField::Block {
   std::vector<VolumePlace> places;
   std::vector<std::uint64_t> keys;
   std::unique_ptr<Memory> memory;
-  // Answers of a group outside the volume.
+  // Results of a group outside the volume.
   std::vector<double> values;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> degrees;
 };
 
-void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void GroupedField::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   evaluate_all(x, {wanted.values, wanted.gradients, wanted.inside, {}});
 }
 
@@ -39,9 +39,9 @@ void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> foun
   evaluate_all(x, {{}, {}, {}, found});
 }
 
-void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
+void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const {
   const std::size_t n = x.size(), c = components_;
-  if (!detail::answers_fit({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
+  if (!detail::sizes_agree({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
       (!wanted.degrees.empty() && wanted.degrees.size() != n))
     throw ArgumentError("VolumeField: the numbers of answers and points differ");
   const auto order = locality_order(x);
@@ -61,7 +61,7 @@ void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) con
 }
 
 void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
-                                  std::size_t last, const PolynomialAnswers& wanted, Block& s) const {
+                                  std::size_t last, const PolynomialValues& wanted, Block& s) const {
   const std::size_t m = last - first;
   s.x.resize(m), s.at.resize(m), s.places.resize(m), s.keys.clear();
   for (std::size_t i = 0; i < m; ++i) {
@@ -108,7 +108,7 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
   }
 }
 
-void GroupedField::answer_outside(Group& group, const PolynomialAnswers& wanted, Block& s) const {
+void GroupedField::answer_outside(Group& group, const PolynomialValues& wanted, Block& s) const {
   const std::size_t n = group.size, c = components_;
   const auto to = group.to;
   std::iota(group.to.begin(), group.to.end(), 0u);

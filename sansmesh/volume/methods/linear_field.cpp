@@ -28,9 +28,9 @@ class LinearField final : public detail::LocatedField {
     if (volume().in_cells && !volume().lattice) between_cells_.emplace(volume(), samples());
   }
 
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     const std::size_t n = components();
-    const bool lattice = volume().lattice && detail::answers_fit(wanted, x.size(), n);
+    const bool lattice = volume().lattice && detail::sizes_agree(wanted, x.size(), n);
     if (lattice && n == 1) return in_lattice<1>(x, wanted);
     if (lattice && n == 2) return in_lattice<2>(x, wanted);
     if (lattice && n == 3) return in_lattice<3>(x, wanted);
@@ -40,7 +40,7 @@ class LinearField final : public detail::LocatedField {
  private:
   /// Fast path for lattices with few components.
   template <std::size_t N>
-  void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  void in_lattice(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
     const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
@@ -109,7 +109,8 @@ class LinearField final : public detail::LocatedField {
     return false;
   }
 
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
+  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
+                 const VolumeFieldValues& wanted) const override {
     if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
@@ -171,7 +172,7 @@ class LinearField final : public detail::LocatedField {
   }
 
   /// Fast path for vectors inside, as used by particles.
-  void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const {
+  void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeFieldValues& wanted) const {
     const double* const all = samples().values.data();
     std::array<Vec3, 8> of;
     Vec3 sum;
@@ -212,7 +213,8 @@ class NearestField final : public detail::LocatedField {
   }
 
  private:
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
+  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
+                 const VolumeFieldValues& wanted) const override {
     if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
     const std::size_t n = samples().components;
     if (!wanted.gradients.empty())

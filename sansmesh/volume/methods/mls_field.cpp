@@ -260,7 +260,7 @@ class MlsField final : public GroupedField {
     });
   }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void answer(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(MlsTile::kTile == kMostPoints);
     Lists& lists = static_cast<Lists&>(memory);
     MlsTile& tile = lists.tile;

@@ -50,9 +50,9 @@ void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) c
   });
 }
 
-void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void LocatedField::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   const std::size_t n = components();
-  if (!answers_fit(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
+  if (!sizes_agree(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
   for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
     if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
     if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);
@@ -74,7 +74,7 @@ Vec3 LocatedField::position_of(const VolumePlace& place) const {
 }
 
 void PointwiseField::answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
-                               const VolumeAnswers& wanted) const {
+                               const VolumeFieldValues& wanted) const {
   if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
   if (wanted.values.empty() && wanted.gradients.empty()) return;
   const std::size_t n = components();

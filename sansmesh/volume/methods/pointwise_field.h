@@ -14,8 +14,8 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Whether each list of answers for n points is empty or has the right size.
-inline bool answers_fit(const VolumeAnswers& wanted, std::size_t n, std::size_t components) {
+/// Whether each list of results for n points is empty or has the right size.
+inline bool sizes_agree(const VolumeFieldValues& wanted, std::size_t n, std::size_t components) {
   const auto fits = [](std::size_t size, std::size_t right) { return size == 0 || size == right; };
   return fits(wanted.values.size(), n * components) && fits(wanted.gradients.size(), n * components) &&
          fits(wanted.inside.size(), n);
@@ -30,13 +30,14 @@ class LocatedField : public VolumeField {
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return values_.components; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   /// Mean edge length of the cell.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
-  /// Writes the requested answers at x, point `i` of the batch, with known location.
-  virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const = 0;
+  /// Writes the requested results at x, point `i` of the batch, with known location.
+  virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
+                         const VolumeFieldValues& wanted) const = 0;
 
   /// Position of the weights of a location: x inside, the nearest point of the volume outside.
   Vec3 position_of(const VolumePlace& place) const;
@@ -61,7 +62,7 @@ class PointwiseField : public LocatedField {
  protected:
   /// The answer at x inside the volume: components() values, and as many gradients unless that is null.
   virtual void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const final;
+  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeFieldValues& wanted) const final;
 };
 
 /// A sample's weight in a sum, and the gradient of the weight.

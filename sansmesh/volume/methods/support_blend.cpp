@@ -144,7 +144,7 @@ class SupportBlend final : public GroupedField {
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
   bool goes_on_straight() const override { return true; }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void answer(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(SupportTile::kTile == kMostPoints);
     Lists& lists = static_cast<Lists&>(memory);
     SupportTile& tile = lists.tile;
