@@ -116,16 +116,14 @@ enum class CurvatureQuantity {
   k2         ///< smaller principal curvature (1 / length)
 };
 
-/// Principal curvatures at a surface point. Curvatures in 1 / length, *positive where the surface is convex* (bends
+/// Principal curvatures at a surface point. Curvatures in 1 / length, *positive where the surface is convex* (curves
 /// away from the outward normal): +1/r on a sphere of radius r.
 struct PrincipalCurvatures {
   float k1 = 0;          ///< the larger one
   float k2 = 0;          ///< the smaller one
   Vec3f direction1;      ///< direction of k1: unit, tangential, up to sign
   Vec3f direction2;      ///< direction of k2: unit, tangential, orthogonal to direction1, up to sign
-  Vec3f normal;          ///< unit normal of the fitted surface; the given normal unless `refit_normal`
-  float offset = 0;      ///< signed distance to the fitted surface along the given normal; 0 unless `offset`
-  bool defined = false;  ///< false: too few or degenerate neighbours, or no normal; then all is zero
+  bool defined = false;  ///< false: too few or degenerate neighbours, no normal, or no field; then all is zero
 };
 
 /// (k1 + k2) / 2 (1 / length).

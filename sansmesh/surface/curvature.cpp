@@ -118,7 +118,7 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
 }
 
 void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3> normals,
-                                  std::span<PrincipalCurvatures> result) const {
+                                  std::span<FittedCurvatures> result) const {
   if (normals.size() != x.size() || result.size() != x.size())
     throw ArgumentError("CurvatureEstimator::evaluate: points, normals and results differ in number");
   parallel_ranges(0, x.size(), 256, [&](std::size_t first, std::size_t last) {
@@ -149,8 +149,8 @@ void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3>
   });
 }
 
-std::vector<PrincipalCurvatures> CurvatureEstimator::at_samples(Progress& progress) const {
-  std::vector<PrincipalCurvatures> result(cloud_size_);
+std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress) const {
+  std::vector<FittedCurvatures> result(cloud_size_);
   progress.begin("curvatures", tree_.size());
   constexpr std::size_t kSlots = 2048;
   parallel_ranges(0, tree_.size(), kSlots, [&](std::size_t first, std::size_t last) {
@@ -191,8 +191,8 @@ int choose_curvature_neighbours(const PointSet& points, double noise) {
   return choose_neighbours_on_tree(KdTree(points.positions), points, noise);
 }
 
-std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
-                                                     Progress& progress) {
+std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
+                                                  Progress& progress) {
   return CurvatureEstimator(points, options).at_samples(progress);
 }
 

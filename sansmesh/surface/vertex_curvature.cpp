@@ -112,13 +112,13 @@ class RingWalk {
 };
 
 /// Fits all unknowns, and fewer if the neighbours do not determine them.
-PrincipalCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
-                                        std::span<const Vec3> offsets, double radius) {
+FittedCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
+                                     std::span<const Vec3> offsets, double radius) {
   for (CurvatureFitter* const fitter : fitters) {
     fitter->start(normal);
     for (const Vec3& d : offsets) fitter->add(d);
     if (!fitter->fit(offsets.size(), radius)) continue;
-    if (const PrincipalCurvatures found = fitter->curvatures(); found.defined) return found;
+    if (const FittedCurvatures found = fitter->curvatures(); found.defined) return found;
   }
   return {};
 }
@@ -130,8 +130,8 @@ double known_noise(const PointSet& mesh) {
   return noise.known ? noise.deviation : 0;
 }
 
-std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
-                                                            Progress& progress) {
+std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
+                                                         Progress& progress) {
   options.validate();
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
   if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
@@ -150,7 +150,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
   const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
   CurvatureOptions through = options, given = options;
   through.offset = given.offset = given.refit_normal = false;
-  std::vector<PrincipalCurvatures> result(mesh.size());
+  std::vector<FittedCurvatures> result(mesh.size());
   progress.begin("curvatures", mesh.size());
   parallel_ranges(0, mesh.size(), kLeastShare + mesh.size() / kShares, [&](std::size_t begin, std::size_t end) {
     RingWalk walk(graph);

@@ -142,7 +142,7 @@ TEST(LineInk, ASpheresSilhouetteIsWhereItTurnsAway) {
 
 TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
   const Waves waves;
-  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(waves, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 2;
@@ -167,7 +167,7 @@ TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
 
 TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
   const TallRing ring;
-  const auto curvature = std::make_shared<FieldCurvature>(ring, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(ring, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 5;  // the value is 14.4 there
@@ -187,9 +187,9 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
 
 TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
   const test::Spheres sphere({1});
-  const auto of_sphere = std::make_shared<FieldCurvature>(sphere, 0.02);
+  const auto of_sphere = std::make_shared<LevelSetCurvature>(sphere, 0.02);
   const test::Torus torus;
-  const auto of_torus = std::make_shared<FieldCurvature>(torus, 0.02);
+  const auto of_torus = std::make_shared<LevelSetCurvature>(torus, 0.02);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 0.5;
@@ -204,7 +204,7 @@ TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
 
 TEST(LineInk, DoesNotDependOnThreads) {
   const Waves waves;
-  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(waves, 0.01);
   const BallUnion balls = wave_balls();
   test::expect_equal_for_any_threads([&] { return draw(waves, balls, curvature).ink.pixels; });
 }

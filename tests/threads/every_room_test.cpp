@@ -290,7 +290,7 @@ TEST(EveryRoom, SamplesAreJudgedAndConsolidated) {
     const PointSet cloud = test::torus(9000);
     Progress progress;
     Findings found;
-    for (const PrincipalCurvatures& c : estimate_curvatures(cloud, {}, progress)) found << c.k1 << c.k2;
+    for (const FittedCurvatures& c : estimate_curvatures(cloud, {}, progress)) found << c.k1 << c.k2;
     const CurvatureColors colors(cloud, {}, progress);
     const std::vector<Vec3> x(cloud.positions.begin(), cloud.positions.end());
     std::vector<Vec3f> shown(x.size());

@@ -31,7 +31,7 @@ struct Texel {
   bool hit = false;
   float distance = 0, facing = 0;
   Vec3f place, normal;
-  SurfaceCurvature bend;
+  PrincipalCurvatures curvature;
 };
 
 class CrestInk {
@@ -49,12 +49,12 @@ class CrestInk {
     const Texel& here = map_.at(x, y);
     if (!here.hit) return 0;
     float ink = suggestive(x, y, here);
-    const SurfaceCurvature& b = here.bend;
+    const PrincipalCurvatures& b = here.curvature;
     if (!b.defined) return ink;
     if (b.k1 > kOneSided * std::abs(b.k2))
-      ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.bend.k1; }));
+      ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.curvature.k1; }));
     if (-b.k2 > kOneSided * std::abs(b.k1))
-      ink = std::max(ink, crest(x, y, here, -b.k2, b.direction2, [](const Texel& t) { return -t.bend.k2; }));
+      ink = std::max(ink, crest(x, y, here, -b.k2, b.direction2, [](const Texel& t) { return -t.curvature.k2; }));
     return ink;
   }
 
@@ -85,12 +85,12 @@ class CrestInk {
       columns.push_back(x);
     }
     if (options_.look.curvature == nullptr || places.empty()) return;
-    std::vector<SurfaceCurvature> bends(places.size());
-    options_.look.curvature->evaluate(places, normals, bends);
+    std::vector<PrincipalCurvatures> curvatures(places.size());
+    options_.look.curvature->evaluate(places, normals, curvatures);
     const auto size = static_cast<float>(frame.size);
-    for (std::size_t k = 0; k < bends.size(); ++k) {
-      SurfaceCurvature& b = map_.at(columns[k], y).bend;
-      b = bends[k];
+    for (std::size_t k = 0; k < curvatures.size(); ++k) {
+      PrincipalCurvatures& b = map_.at(columns[k], y).curvature;
+      b = curvatures[k];
       b.k1 *= size, b.k2 *= size;  // relative to the picture's diagonal
     }
   }
@@ -147,7 +147,7 @@ class CrestInk {
     const ProjectedPoint from = camera_.project(here.place), to = camera_.project(here.place + ahead * along);
     const float dx = (to.x - from.x) * static_cast<float>(map_.width),
                 dy = (from.y - to.y) * static_cast<float>(map_.height);
-    const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.bend.defined ? value(t) : 0.0f; });
+    const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.curvature.defined ? value(t) : 0.0f; });
     if (!found || found->fall < kLeastFall * height) return 0;
     return strength * line(found->away);
   }

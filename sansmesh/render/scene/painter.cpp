@@ -64,9 +64,9 @@ struct Replay {
 
 /// Factor of a mean curvature, relative to that of a ball with the radius of the accessibility; clamped to 0, which a
 /// deep groove reaches if `most` is 1.
-float bend_factor(float bend, float most) {
-  if (std::isnan(bend)) return 1;
-  return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend));
+float curvature_factor(float curvature, float most) {
+  if (std::isnan(curvature)) return 1;
+  return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(curvature));
 }
 
 /// A box in the painter's coordinates.
@@ -301,12 +301,12 @@ class Painter::Work {
       normals.push_back(batch.points[i]->normal);
       whose.push_back(p);
     }
-    std::vector<SurfaceCurvature> bends(places.size());
-    if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
+    std::vector<PrincipalCurvatures> curvatures(places.size());
+    if (!places.empty()) options_.look.curvature->evaluate(places, normals, curvatures);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
       batch.access[whose[k]] =
-          bend_factor(bends[k].mean() * radius, static_cast<float>(options_.look.curvature_shading));
+          curvature_factor(mean_curvature(curvatures[k]) * radius, static_cast<float>(options_.look.curvature_shading));
   }
 
   template <class Blocked>
