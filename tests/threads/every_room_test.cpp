@@ -183,7 +183,7 @@ TEST(EveryRoom, FunctionsAreEditedAndJudged) {
     }
     found << update_mesh(editor.function(), mesh, editor.changed(), {}, progress);
     const Diagnosis diagnosis = diagnose_function(editor.function(), {}, progress);
-    return found << diagnosis.largest_gradient << static_cast<double>(diagnosis.places.size());
+    return found << diagnosis.largest_gradient << static_cast<double>(diagnosis.regions.size());
   });
 }
 
