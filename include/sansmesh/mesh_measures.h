@@ -107,11 +107,11 @@ struct SurfaceDistance {
 };
 
 /// Share of points that are far from a reference.
-struct SANSMESH_API FarPlaces {
-  std::size_t looked_at = 0;  ///< number of points
-  double beyond = 0;          ///< distance from which a point counts as far (length)
-  double share = 0;           ///< share of far points, 0..1
-  std::optional<Vec3> most;   ///< point around which most far points are (input); absent if none is far
+struct SANSMESH_API FarPoints {
+  std::size_t tested = 0;       ///< number of points
+  double beyond = 0;            ///< distance from which a point counts as far (length)
+  double share = 0;             ///< share of far points, 0..1
+  std::optional<Vec3> densest;  ///< point around which most far points are (input); absent if none is far
 
   static const ReportSchema& schema();  ///< a row per reported value
 };
@@ -120,8 +120,8 @@ struct SANSMESH_API FarPlaces {
 struct SANSMESH_API MeshCoverage {
   double spacing = 0;  ///< estimated spacing of the samples (length)
   double noise = 0;    ///< estimated noise of the samples: standard deviation (length)
-  FarPlaces lost;      ///< samples without a surface
-  FarPlaces invented;  ///< surface without samples
+  FarPoints lost;      ///< samples without a surface
+  FarPoints invented;  ///< surface without samples
 
   static const ReportSchema& schema();  ///< a row per reported value
 };
