@@ -24,9 +24,9 @@ namespace sansmesh::inline v1 {
 
 /// Sets the fixed point of later rotations and scalings that have none themselves: "about".
 struct SANSMESH_API AboutStep {
-  std::optional<Vec3> place = {};       ///< fixed point; default: 0
-  bool center = false;                  ///< the centre of the current bounding box is fixed instead
-  static const OptionSchema& schema();  ///< option rows, one per field
+  std::optional<Vec3> fixed_point = {};  ///< default: 0; schema name: "place"
+  bool center = false;                   ///< the centre of the current bounding box is fixed instead
+  static const OptionSchema& schema();   ///< option rows, one per field
 };
 
 /// Applies an affine map or its inverse to everything: "transform", "inverse_transform".

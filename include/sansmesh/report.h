@@ -138,7 +138,7 @@ concept IsList = requires {
 using schema_detail::IsOptional;
 
 template <class T>
-concept IsPlace = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
+concept IsVec3 = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
 
 inline std::vector<double> numbers_of(const Vec3& p) { return {p.x, p.y, p.z}; }
 
@@ -157,7 +157,7 @@ constexpr ReportKind kind_of() {
     return ReportKind::choice;
   else if constexpr (HasReport<T>)
     return ReportKind::report;
-  else if constexpr (IsPlace<T>)
+  else if constexpr (IsVec3<T>)
     return ReportKind::numbers;
   else if constexpr (std::same_as<T, Box3>)
     return ReportKind::table;
@@ -189,7 +189,7 @@ ReportValue value_of(const T& v) {
     return static_cast<std::int64_t>(v);
   } else if constexpr (kind == ReportKind::text) {
     return std::string(v);
-  } else if constexpr (IsPlace<T>) {
+  } else if constexpr (IsVec3<T>) {
     return numbers_of(Vec3(v));
   } else if constexpr (std::same_as<T, Box3>) {
     return v.empty() ? ReportValue() : std::vector{numbers_of(v.lower), numbers_of(v.upper)};
@@ -203,7 +203,7 @@ ReportValue value_of(const T& v) {
       using Line = std::remove_cvref_t<decltype(line)>;
       if constexpr (std::same_as<Line, Box3>)
         table.push_back({line.lower.x, line.lower.y, line.lower.z, line.upper.x, line.upper.y, line.upper.z});
-      else if constexpr (IsPlace<Line>)
+      else if constexpr (IsVec3<Line>)
         table.push_back(numbers_of(Vec3(line)));
       else
         table.emplace_back(line.begin(), line.end());

@@ -22,7 +22,7 @@ struct ApplyStep {
   std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
     const AboutStep own{point, center}, &used = point || center ? own : about_now;
     if (used.center) return move_all(data, map.about(data.bounds().center()));
-    return move_all(data, used.place ? map.about(*used.place) : map);
+    return move_all(data, used.fixed_point ? map.about(*used.fixed_point) : map);
   }
 
   std::string operator()(const AboutStep& s) {
