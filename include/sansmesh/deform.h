@@ -149,7 +149,7 @@ struct SANSMESH_API DeformOptions {
   bool draw_handles = false;       ///< in pictures: draws handles as balls and arrows
   bool draw_folds = false;         ///< in pictures: draws places where space folds
   VolumePictureOptions look = {};  ///< for pictures; for objects other than volumes only its RenderOptions
-  bool any_view = true;            ///< no view was chosen: the view of a thin volume is perpendicular to it
+  bool default_view = true;        ///< no view was chosen: the view of a thin volume is perpendicular to it
 
   /// Option rows without `look`.
   static const OptionSchema& schema();

@@ -141,8 +141,8 @@ struct SANSMESH_API DiagnoseOptions {
   /// Largest rms distance of a support's samples (length, input); default: six times the median of all supports, at
   /// least a quarter of the spacing.
   std::optional<double> error_above = {};
-  double gradient_above = kSoundSlope;  ///< largest length of the gradient, > 1
-  std::size_t most_regions = 20;        ///< largest number of reported regions of each kind; schema name: "places"
+  double gradient_above = kPlausibleGradient;  ///< largest length of the gradient, > 1
+  std::size_t most_regions = 20;  ///< largest number of reported regions of each kind; schema name: "places"
 
   static const OptionSchema& schema();  ///< one row a field
   /// Throws ArgumentError naming the field.

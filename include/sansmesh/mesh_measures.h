@@ -129,7 +129,7 @@ struct SANSMESH_API MeshCoverage {
 /// Start of the search for a motion.
 enum class AlignStart : std::uint8_t {
   automatic,   ///< given pose; if the search fails, all poses
-  as_it_lies,  ///< given pose only
+  given_pose,  ///< given pose only
   anywhere     ///< all rotations, and similar-looking regions
 };
 
@@ -156,9 +156,9 @@ struct SANSMESH_API SimilarityMotion {
   Vec3 to;                                  ///< image of the centre
 
   /// R v, for directions.
-  Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3 rotate(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
   /// Image of a position.
-  Vec3 operator()(const Vec3& p) const { return turn(p - from) * scale + to; }
+  Vec3 operator()(const Vec3& p) const { return rotate(p - from) * scale + to; }
   /// Angle of the rotation, 0..180 degrees.
   double angle() const;
   Vec3 axis() const;  ///< unit axis of the rotation; arbitrary if the angle is 0
@@ -169,7 +169,7 @@ struct SANSMESH_API SimilarityMotion {
 /// Motion, and fit of the surfaces. Lengths in the unit of the fixed surface.
 struct SANSMESH_API SurfaceAlignment {
   SimilarityMotion motion;                    ///< motion of the moving surface
-  AlignStart start = AlignStart::as_it_lies;  ///< start from which the motion was found
+  AlignStart start = AlignStart::given_pose;  ///< start from which the motion was found
   int iterations = 0;                         ///< steps of the last search
   std::size_t samples = 0;                    ///< number of compared samples
   /// Share (0..1) of the samples on the fixed surface: within `reach` of it, not beyond its boundary, and with a

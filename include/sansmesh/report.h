@@ -73,11 +73,11 @@ const ReportSchema& report_schema() {
 using UsePart = std::function<void(const void* part)>;
 
 /// Field of a report, or a value derived from its fields: description, kind, and a function that reads it. Made by
-/// reported(), reported_beside() and reported_base().
+/// reported(), reported_inline() and reported_base().
 struct ReportRow : ReportFacts {
   ReportKind kind = ReportKind::flag;  ///< kind of its value
   bool optional = false;               ///< may be absent
-  bool beside = false;                 ///< nested report whose rows are on the same level, without a name
+  bool inlined = false;                ///< nested report whose rows are on the same level, without a name
   /// Reads the value; null for reports. Choices are numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
   const ReportSchema& (*part)() = nullptr;                         ///< schema of a nested report or list of reports
@@ -276,9 +276,9 @@ constexpr ReportRow reported(const ReportFacts& facts) {
 
 /// Includes the rows of a nested report on the same level.
 template <auto getter>
-constexpr ReportRow reported_beside() {
+constexpr ReportRow reported_inline() {
   ReportRow row = reported<getter>({});
-  row.beside = true;
+  row.inlined = true;
   return row;
 }
 
@@ -287,7 +287,7 @@ template <class Base, class Derived>
 constexpr ReportRow reported_base() {
   ReportRow row;
   row.kind = ReportKind::report;
-  row.beside = true;
+  row.inlined = true;
   row.part = &Base::schema;
   row.each = [](const void* report, const UsePart& use) {
     use(static_cast<const Base*>(static_cast<const Derived*>(report)));

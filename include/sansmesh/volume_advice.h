@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 
 /// Properties of the input.
-struct VolumeOffer {
+struct VolumeAdviceInput {
   bool values = true;                ///< the volume has an array; bare meshes have none
   bool vectors = false;              ///< this or another array has two or three components: a flow
   std::size_t steps = 1;             ///< number of time steps
@@ -31,7 +31,7 @@ struct VolumeRecommendation {
 };
 
 /// Recommendations, most requested first; never empty for volumes with values or a body.
-SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
+SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeAdviceInput& offer);
 
 /// values, grid, surface, border, …
 SANSMESH_API const char* aim_word(VolumeRecommendation::Aim aim);

@@ -307,8 +307,8 @@ SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
 
 /// Advice on a volume: possible results, methods and arrays.
 struct SANSMESH_API VolumeAdvice {
-  VolumeFacts facts;  ///< facts about the grid
-  VolumeOffer offer;  ///< available results, with statistics of the array and the recommended method
+  VolumeFacts facts;        ///< facts about the grid
+  VolumeAdviceInput offer;  ///< available results, with statistics of the array and the recommended method
   std::vector<VolumeRecommendation> recommendations;  ///< best first
   std::string array;  ///< array for surfaces and pictures (the magnitude of vectors); empty for bare grids
   double value = 0;   ///< isovalue: the middle of the range; for vectors, the mean length

@@ -62,7 +62,7 @@ void evaluate_function(const ExpressionBuilder::Function& f, const Vec3* x, std:
   const double factor = f.frame.sign * f.frame.map.scale;
   for (std::size_t i = 0; i < n; ++i) values[i] = factor * values[i] + f.frame.shift;
   if (gradients)
-    for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.turn(gradients[i]);
+    for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.rotate(gradients[i]);
 }
 
 class SolidExpression final : public PieceExpression {

@@ -71,7 +71,7 @@ class FlowInTime final : public VectorField {
 
   Box3 bounds() const override { return bounds_; }
   TimeRange times() const override { return {times_.front(), times_.back()}; }
-  std::span<const double> moments() const override { return times_; }
+  std::span<const double> sample_times() const override { return times_; }
 
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {

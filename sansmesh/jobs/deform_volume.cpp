@@ -76,7 +76,7 @@ class VolumePoses {
       look_.preset.clear();
     }
     if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
-    if (options_.any_view)
+    if (options_.default_view)
       if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();

@@ -88,7 +88,7 @@ const ReportSchema& HolesResult::schema() {
       reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
       reported<&HolesResult::joined_vertices>(
           {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-      reported_beside<&HolesResult::holes>()};
+      reported_inline<&HolesResult::holes>()};
   return report_schema<rows>();
 }
 
@@ -97,7 +97,7 @@ const ReportSchema& FillResult::schema() {
       reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
       reported<&FillResult::joined_vertices>(
           {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-      reported_beside<&FillResult::report>()};
+      reported_inline<&FillResult::report>()};
   return report_schema<rows>();
 }
 

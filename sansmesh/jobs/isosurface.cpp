@@ -94,7 +94,7 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
 const ReportSchema& VolumeIsosurfaceReport::schema() {
   static constexpr ReportRow rows[] = {
       reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
-      reported_beside<&VolumeIsosurfaceReport::mesh>()};
+      reported_inline<&VolumeIsosurfaceReport::mesh>()};
   return report_schema<rows>();
 }
 

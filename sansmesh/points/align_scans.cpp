@@ -191,7 +191,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
       for (std::size_t k = c * kChunk; k < std::min(count, (c + 1) * kChunk); ++k) {
         const std::uint32_t i = chosen[k * every];
         const Vec3 p = motions[s](Vec3(points.positions[i]));
-        const Vec3 n = motions[s].turn(Vec3(points.normals[i]));
+        const Vec3 n = motions[s].rotate(Vec3(points.normals[i]));
         for (std::size_t t = 0; t < scans.size(); ++t) {
           if (t == s) continue;
           const Vec3 q = motions[t].back(p);
@@ -199,7 +199,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
           const double aside = 1.5 * scans[t].spacing;
           const auto there = surface_at(points, scans[t], q, std::hypot(reach, aside), false, scratch);
           if (!there || std::abs(there->height) > reach) continue;
-          const Vec3 normal = motions[t].turn(there->normal);
+          const Vec3 normal = motions[t].rotate(there->normal);
           if (dot(normal, n) < kLeastNormalCosine) continue;
           parts[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t), there->height, p, normal});
         }
@@ -426,8 +426,8 @@ void move_scans(PointSet& points, const std::vector<Similarity>& motions) {
     if (!known(points.scan_of_point[i])) return;
     const Similarity& m = motions[points.scan_of_point[i]];
     points.positions[i] = Vec3f(m(Vec3(points.positions[i])));
-    if (!points.normals.empty()) points.normals[i] = Vec3f(m.turn(Vec3(points.normals[i])));
-    if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.turn(Vec3(points.grid_normals[i])));
+    if (!points.normals.empty()) points.normals[i] = Vec3f(m.rotate(Vec3(points.normals[i])));
+    if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.rotate(Vec3(points.grid_normals[i])));
   });
   for (std::size_t s = 0; s < std::min(points.scanners.size(), motions.size()); ++s)
     points.scanners[s] = Vec3f(motions[s](Vec3(points.scanners[s])));

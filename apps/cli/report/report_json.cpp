@@ -51,7 +51,7 @@ Json json_of_row(const ReportRow& row, const void* report) {
 
 void put_rows(Json& object, const ReportSchema& schema, const void* report) {
   for (const ReportRow& row : schema.rows) {
-    if (row.beside) {
+    if (row.inlined) {
       row.each(report, [&](const void* part) { put_rows(object, row.part(), part); });
       continue;
     }
@@ -67,7 +67,7 @@ void push_rows(Json& list, std::string_view before, const ReportSchema& schema, 
                std::set<std::string>& known) {
   for (const ReportRow& row : schema.rows) {
     const bool maybe = optional || row.optional;
-    if (row.beside) {
+    if (row.inlined) {
       push_rows(list, before, row.part(), maybe, known);
       continue;
     }

@@ -30,7 +30,7 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
     Foot foot;
     const Vec3 at = pose(moving.x[i]);
     if (!fixed.closest(at, reach, foot) || foot.beyond) return;
-    if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) return;
+    if (!alike_normals(pose.rotate(moving.n[i]), foot.normal, signs)) return;
     offsets[i] = {at - foot.point, foot.normal, squared_norm(foot.normal) > 0};
   });
   std::vector<Vec3f> places;

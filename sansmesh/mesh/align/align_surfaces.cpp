@@ -95,7 +95,7 @@ Vec3 SimilarityMotion::axis() const {
 
 AffineMap SimilarityMotion::map() const {
   AffineMap map{x * scale, y * scale, z * scale, {}};
-  map.shift = to - map.turn(from);
+  map.shift = to - map.linear(from);
   return map;
 }
 
@@ -283,7 +283,7 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& 
   options.validate();
   SurfaceAlignment result = align(moving, fixed, options, progress);
   // A mirrored part may fit moderately, as symmetric shapes nearly equal their mirror images.
-  if (result.found && result.differing > kOtherShape && options.start != AlignStart::as_it_lies) {
+  if (result.found && result.differing > kOtherShape && options.start != AlignStart::given_pose) {
     SurfaceAlignmentOptions anywhere = options;
     anywhere.start = AlignStart::anywhere;
     const SurfaceAlignment mirrored = align(mirror_image(moving), fixed, anywhere, progress);

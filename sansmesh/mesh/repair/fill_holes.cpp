@@ -327,7 +327,7 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
 namespace {
 
 constexpr ReportRow kFillReportRows[] = {
-    reported_beside<&FillReport::found>(),
+    reported_inline<&FillReport::found>(),
     reported<&FillReport::filled>({.text = "Filled holes"}),
     reported<&FillReport::too_large>({.name = "left_open", .text = "Holes left open because of their size"}),
     reported<&FillReport::ends>({.text = "Holes left open as ends of a tube"}),
