@@ -139,7 +139,7 @@ void measure(const std::string& name, const Options& options) {
              "max/lin", "not finite", "fit s", "ask s");
   double linear_mean[3] = {}, linear_max[3] = {};
   for (const std::string& method : options.methods) {
-    ReconstructionOptions wanted;
+    VolumeReconstructionOptions wanted;
     wanted.method = method;
     for (int f = 0; f < 3; ++f) {
       try {

@@ -6,19 +6,19 @@
 #include <vector>
 
 #include "sansmesh/api.h"
-#include "sansmesh/reconstruction_options.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
 /// Properties of the input.
 struct VolumeAdviceInput {
-  bool values = true;                ///< the volume has an array; bare meshes have none
-  bool vectors = false;              ///< this or another array has two or three components: a flow
-  std::size_t steps = 1;             ///< number of time steps
-  bool lattice = false;              ///< the samples form a lattice
-  bool body = false;                 ///< the cells can represent a deformable body
-  VolumeTraits traits;               ///< traits of the array; ignored without values
-  ReconstructionChoice recommended;  ///< recommended reconstruction; ignored without values
+  bool values = true;                      ///< the volume has an array; bare meshes have none
+  bool vectors = false;                    ///< this or another array has two or three components: a flow
+  std::size_t steps = 1;                   ///< number of time steps
+  bool lattice = false;                    ///< the samples form a lattice
+  bool body = false;                       ///< the cells can represent a deformable body
+  VolumeTraits traits;                     ///< traits of the array; ignored without values
+  VolumeReconstructionChoice recommended;  ///< recommended reconstruction; ignored without values
 };
 
 /// A recommended result.

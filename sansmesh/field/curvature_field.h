@@ -5,7 +5,6 @@
 #include <span>
 
 #include "sansmesh/scalar_field.h"
-#include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {

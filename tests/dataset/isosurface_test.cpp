@@ -30,7 +30,7 @@ double cone(const Vec3& x) { return 1 - norm(x - kCenter); }
 std::shared_ptr<const Isosurface> surface_in(GridData data, double value, const std::string& method = "linear") {
   VolumeDataset dataset(std::move(data));
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   const auto volume = dataset.volume("f", progress);
   const auto field = dataset.field({"f", {}, false}, options, progress);

@@ -25,8 +25,8 @@ using Method = std::string;  // name of a method
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
-ReconstructionOptions by(const Method& method) {
-  ReconstructionOptions options;
+VolumeReconstructionOptions by(const Method& method) {
+  VolumeReconstructionOptions options;
   options.method = method;
   return options;
 }
@@ -65,7 +65,7 @@ class VolumeFile : public ::testing::Test {
     return VolumeDataset(read_volume_file(folder_ / "f.smv"));
   }
 
-  void expect_same_field(const GridData& data, const ReconstructionOptions& options) {
+  void expect_same_field(const GridData& data, const VolumeReconstructionOptions& options) {
     Progress progress;
     VolumeDataset dataset(data);
     VolumeReconstructionReport report, again;
@@ -93,7 +93,7 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitOnEveryGrid) {
 }
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitByAmls) {
-  ReconstructionOptions few = by("amls");
+  VolumeReconstructionOptions few = by("amls");
   few.iterations = 2, few.order = 4;
   for (const test::NamedGrid& grid : all_grids(wavy)) {
     SCOPED_TRACE(grid.name);
@@ -108,10 +108,10 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
     SCOPED_TRACE(info->name);
     expect_same_field(lattice_grid({7, 6, 5}, wavy), by(std::string(info->name)));
   }
-  ReconstructionOptions spline = by("cubic");
+  VolumeReconstructionOptions spline = by("cubic");
   spline.b = 1, spline.c = 0;
   expect_same_field(lattice_grid({7, 6, 5}, wavy), spline);
-  ReconstructionOptions wide = by("shepard");
+  VolumeReconstructionOptions wide = by("shepard");
   wide.radius = 3;
   expect_same_field(bent_grid({6, 7, 5}, wavy), wide);
 }
@@ -214,18 +214,18 @@ TEST_F(VolumeFile, KeepsArraysFactsAndNotes) {
 TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  ReconstructionOptions planes = by("mls-detail");
+  VolumeReconstructionOptions planes = by("mls-detail");
   planes.degree = 1;
   VolumeDataset opened = stored(dataset.fit("f", planes, true, progress));
   const auto volume = dataset.volume("f", progress);
-  const auto expect_same = [&](const char* array, const ReconstructionOptions& options) {
+  const auto expect_same = [&](const char* array, const VolumeReconstructionOptions& options) {
     EXPECT_TRUE(evaluated(*dataset.field({array, {}, false}, options, progress), *volume) ==
                 evaluated(*opened.field({array, {}, false}, options, progress), *volume))
         << array << " " << *options.method;
   };
   expect_same("where", by("mls-detail"));
   expect_same("f", by("linear"));
-  ReconstructionOptions cubics = by("mls-detail");
+  VolumeReconstructionOptions cubics = by("mls-detail");
   cubics.degree = 3;
   expect_same("f", cubics);
   // Absent options match those of the file.

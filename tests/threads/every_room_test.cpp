@@ -352,7 +352,7 @@ TEST(EveryRoom, VolumesAreAsked) {
     for (const Association a : {Association::points, Association::cells}) {
       Progress progress;
       const auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, a, progress));
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = "linear";
       const auto field = reconstruct_volume(volume, "f", options, progress);
       const auto x = points_about(3000, 1);

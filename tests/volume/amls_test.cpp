@@ -60,7 +60,7 @@ TEST(Amls, SpheresReachAcrossCellsThatEllipsoidsFit) {
     ASSERT_NEAR(norm(balls[i]({1, 2, 3})), norm(balls[i]({3, -1, 2})), 1e-4 * norm(balls[i]({1, 2, 3})));
   }
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "amls";
   options.epsilon = 1, options.iterations = 2;
   const std::vector<Vec3> places = places_within(*volume, 300);

@@ -281,7 +281,7 @@ TEST(ClassicFields, ComponentsAreIndependent) {
       if (!suits(method, *volume)) continue;
       SCOPED_TRACE(method);
       Progress progress;
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = method;
       const auto vector = reconstruct_volume(volume, "v", options, progress);
       ASSERT_EQ(vector->components(), 3u);
@@ -370,7 +370,7 @@ TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
              stretched = volume_of(stretched_grid({4, 4, 4}, smooth));
   for (const Method& method : {"cubic", "sinc", "lagrange"}) EXPECT_THROW(field_of(bent, method), ArgumentError);
   EXPECT_THROW(field_of(stretched, "sinc"), ArgumentError);
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "lagrange";
   options.degree = 0;
   EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);

@@ -128,7 +128,7 @@ TEST(Reconstruction, ErrorsNameTheCause) {
   Progress progress;
   EXPECT_THROW(volume_method("cubist"), ArgumentError);
   EXPECT_EQ(volume_method("linear").name, "linear");
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "linear";
   try {
     reconstruct_volume(volume, "g", options, progress);

@@ -126,7 +126,7 @@ TEST(Magnitudes, OutOfRangeAreErrors) {
   Progress progress;
   const auto error_of = [&](const VolumeFunction& f, const std::string& method) -> std::string {
     try {
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = method;
       reconstruct_volume(volume_of(lattice_grid({5, 5, 5}, f)), "f", options, progress);
     } catch (const DataError& error) {

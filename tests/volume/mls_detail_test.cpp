@@ -23,7 +23,7 @@ double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) 
 
 std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "mls-detail", options.robust = robust;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }

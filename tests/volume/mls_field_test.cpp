@@ -153,7 +153,7 @@ TEST(MlsField, GradientsAreDerivativesOfTheValues) {
 
 TEST(MlsField, DegreesAboveFourAreRefused) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "mls";
   const auto volume = volume_of(bent_grid({4, 4, 4}, bump));
   options.degree = 4;
@@ -172,7 +172,7 @@ TEST(AmlsField, MoreIterationsReduceResiduals) {
   double before = std::numeric_limits<double>::infinity();
   for (const int n : {0, 3, 12}) {
     Progress progress;
-    ReconstructionOptions options;
+    VolumeReconstructionOptions options;
     options.method = "amls";
     options.epsilon = 1.5, options.iterations = n;
     const double error = mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
@@ -183,7 +183,7 @@ TEST(AmlsField, MoreIterationsReduceResiduals) {
 
 TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "amls";
   VolumeReconstructionReport report;
   reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);

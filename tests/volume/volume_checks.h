@@ -58,7 +58,7 @@ inline std::shared_ptr<const SampledVolume> volume_of(const GridData& data, Asso
 
 inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume> volume, const std::string& method) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
