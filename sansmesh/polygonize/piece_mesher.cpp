@@ -173,7 +173,7 @@ void PieceMesher::recall() {
   const VertexCorners corners(mesh.triangles, mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
     PieceSet set;
-    for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) set.add(mesh.piece[corners.corner[i] / 3]);
+    for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) set.add(mesh.piece[corners.entries[i] / 3]);
     mesh.vertices[v].piece = {kNoPiece, kNoPiece, kNoPiece};
     if (set.count <= 3) {
       std::copy(set.begin(), set.end(), mesh.vertices[v].piece.begin());

@@ -1,7 +1,7 @@
 // Principal curvatures of a fitted quadric, with its normal and its distance from the point.
 #pragma once
 
-#include "sansmesh/surface_options.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {

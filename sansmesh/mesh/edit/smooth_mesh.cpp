@@ -328,7 +328,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
       if (faces.area[i] > 0)
         for (const std::uint32_t v : by_place[i])
           for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
-            const std::uint32_t j = corners.corner[c] / 3;
+            const std::uint32_t j = corners.entries[c] / 3;
             // A triangle that shares an edge occurs twice, at both of its vertices, and so has a larger weight.
             if (j == i || faces.area[j] == 0) continue;
             const double there = squared_norm(faces.center[j] - faces.center[i]) / (2 * reach * reach);
@@ -351,7 +351,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
       Vec3 sum;
       double count = 0;
       for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
-        const std::uint32_t j = corners.corner[c] / 3;
+        const std::uint32_t j = corners.entries[c] / 3;
         if (faces.area[j] == 0) continue;
         sum += faces.normal[j] * dot(faces.normal[j], faces.center[j] - s.x[v]);
         count += 1;

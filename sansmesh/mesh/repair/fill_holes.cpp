@@ -88,7 +88,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   std::unordered_map<std::uint32_t, std::uint32_t> number_around;
   for (std::size_t i = 0; i < n; ++i)
     for (std::uint32_t c = corners.first[places[i]]; c < corners.first[places[i] + 1]; ++c) {
-      const std::uint32_t triangle = corners.corner[c] / 3;
+      const std::uint32_t triangle = corners.entries[c] / 3;
       Triangle t = m.mesh.triangles[triangle];
       if (!has_valid_corners(m.mesh.vertices, t)) continue;
       for (std::uint32_t& v : t) v = m.edges.representative[v];

@@ -42,7 +42,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
   parallel_for(0, n, 1024, [&](std::size_t v) {
     float farthest = 0;
     Vec3f side;
-    const auto corners = std::span(around.corner).subspan(around.first[v], around.first[v + 1] - around.first[v]);
+    const std::span<const std::uint32_t> corners = around[v];
     for (const std::uint32_t c : corners) {
       const Triangle& t = mesh.triangles[c / 3];
       side += cross(places[t[1]] - places[t[0]], places[t[2]] - places[t[0]]);
