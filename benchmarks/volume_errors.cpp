@@ -84,7 +84,7 @@ std::vector<Vec3> places_inside(const SampledVolume& volume, std::size_t count) 
     std::vector<Vec3> x(count);
     for (Vec3& p : x)
       for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
-    std::vector<VolumePlace> places(x.size());
+    std::vector<CellLocation> places(x.size());
     locator.locate(x, places);
     for (std::size_t i = 0; i < x.size() && inside.size() < count; ++i)
       if (places[i].inside) inside.push_back(x[i]);

@@ -91,7 +91,7 @@ void VolumeDomain::evaluate(std::span<const Vec3> x, std::span<double> values, s
     }
     std::vector<MeasuredPoint> found(n);
     boundary_->distance.measure(x.subspan(begin, n), std::numeric_limits<double>::infinity(), found);
-    std::vector<VolumePlace> places(n);
+    std::vector<CellLocation> places(n);
     boundary_->locator.locate(input, places);
     for (std::size_t i = 0; i < n; ++i) {
       const double sign = places[i].inside ? -1 : 1, distance = std::abs(found[i].distance);
@@ -120,7 +120,7 @@ void VolumeDomain::locate(std::span<const Vec3> x, std::span<std::uint8_t> insid
       }
       return;
     }
-    std::vector<VolumePlace> places(end - begin);
+    std::vector<CellLocation> places(end - begin);
     boundary_->locator.locate(input, places);
     for (std::size_t i = begin; i < end; ++i) inside[i] = places[i - begin].inside;
   });

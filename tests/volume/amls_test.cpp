@@ -147,7 +147,7 @@ TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
 }
 
 // Samples within `rings` edges of the corners of a cell.
-std::set<std::uint32_t> around(const SampledVolume& volume, const VolumePlace& place, int rings) {
+std::set<std::uint32_t> around(const SampledVolume& volume, const CellLocation& place, int rings) {
   std::set<std::uint32_t> all(place.corners.begin(), place.corners.begin() + place.corner_count);
   std::vector<std::uint32_t> star;
   for (int ring = 0; ring < rings; ++ring)
@@ -168,7 +168,7 @@ TEST(SupportIndex, ContainsAllSupportsThatReachACell) {
     const SupportIndex index(*volume, metrics.metrics.view(), radii);
     const VolumeLocator locator(*volume);
     const auto x = places_within(*volume, 200);
-    std::vector<VolumePlace> places(x.size());
+    std::vector<CellLocation> places(x.size());
     locator.locate(x, places);
     SupportIndex::Memory found;
     std::size_t listed = 0, reaching = 0;

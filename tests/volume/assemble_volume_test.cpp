@@ -153,7 +153,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     }
     EXPECT_GT(volume_of_cells(*volume), 0);
     const auto x = places_within(*volume, 20);
-    std::vector<VolumePlace> places(x.size());
+    std::vector<CellLocation> places(x.size());
     VolumeLocator(*volume).locate(x, places);
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});

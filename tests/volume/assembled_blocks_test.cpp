@@ -94,7 +94,7 @@ TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
       GridData single;
       single.blocks = {data.blocks[b]};
       const auto x = places_within(*volume_of(single, a), 2000);
-      std::vector<VolumePlace> places(x.size());
+      std::vector<CellLocation> places(x.size());
       locator.locate(x, places);
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_TRUE(places[i].inside) << "block " << b << ", point " << i;

@@ -20,7 +20,7 @@ TEST(VolumeLocator, FindsPointsByTheirWeights) {
     const auto volume = volume_of(grid.data, grid.association);
     const VolumeLocator locator(*volume);
     const auto x = places_within(*volume, 2000);
-    std::vector<VolumePlace> places(x.size());
+    std::vector<CellLocation> places(x.size());
     locator.locate(x, places);
     const double size = volume->bounds().diagonal();
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -45,14 +45,14 @@ TEST(VolumeLocator, SlopesOfShapeFunctionsAreTheirDifferences) {
     const VolumeLocator locator(*volume);
     for (const Vec3& x : places_within(*volume, 50)) {
       constexpr double kStep = 1e-6;
-      VolumePlace at;
+      CellLocation at;
       locator.locate({&x, 1}, {&at, 1});
       std::array<Vec3, 8> slopes;
       shape_gradients(*volume, at, x, slopes);
       for (std::size_t k = 0; k < 3; ++k) {
         Vec3 ahead = x, behind = x;
         ahead[k] += kStep, behind[k] -= kStep;
-        VolumePlace a, b;
+        CellLocation a, b;
         locator.locate({&ahead, 1}, {&a, 1});
         locator.locate({&behind, 1}, {&b, 1});
         if (a.cell != at.cell || b.cell != at.cell || !a.inside || !b.inside) continue;
@@ -74,7 +74,7 @@ TEST(VolumeLocator, IsAccurateInThinLayersFarFromTheOrigin) {
   EXPECT_GT(volume->facts.aspect, 1e4);
   const VolumeLocator locator(*volume);
   const auto x = places_within(*volume, 5000);
-  std::vector<VolumePlace> places(x.size());
+  std::vector<CellLocation> places(x.size());
   locator.locate(x, places);
   for (std::size_t i = 0; i < x.size(); ++i) {
     ASSERT_TRUE(places[i].inside) << i;
@@ -98,7 +98,7 @@ TEST(VolumeLocator, AnswersDependOnThePointAlone) {
       const Vec3 a = volume->corner(corners[0]), b = volume->corner(corners[1]), c = volume->corner(corners[2]);
       x.insert(x.end(), {a, (a + b) * 0.5, (a + b + c) / 3});
     }
-    std::vector<VolumePlace> alone(x.size()), places(x.size());
+    std::vector<CellLocation> alone(x.size()), places(x.size());
     for (std::size_t i = 0; i < x.size(); i += 5) {  // too few points for the cache of cells
       const std::size_t n = std::min<std::size_t>(5, x.size() - i);
       VolumeLocator(*volume).locate(std::span(x).subspan(i, n), std::span(alone).subspan(i, n));
@@ -130,7 +130,7 @@ TEST(VolumeLocator, OutsideFindsTheNearestPointOfTheVolume) {
   for (int i = 0; i < 200; ++i) {
     const double angle = 0.1 + 0.37 * i, z = 2.0 * ((i * 7) % 20) / 19;
     const Vec3 x{1.5 * std::cos(angle), 1.5 * std::sin(angle), z};
-    VolumePlace place;
+    CellLocation place;
     locator.locate({&x, 1}, {&place, 1});
     ASSERT_FALSE(place.inside);
     Vec3 there;

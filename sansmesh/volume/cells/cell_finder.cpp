@@ -61,12 +61,12 @@ std::uint32_t FaceNeighbours::beyond(std::size_t cell, std::size_t face, double 
   const CellFace& f = cell_faces(finder_.cells().shapes[cell])[face];
   std::array<Vec3, 4> x;
   for (std::size_t k = 0; k < 4; ++k) x[k] = finder_.corner(cell, f.corner[std::min<std::size_t>(k, f.count - 1)]);
-  const Vec3 place = x[0] + ((x[1] - x[0]) * (1 - s) + (x[2] - x[3]) * s) * r + (x[3] - x[0]) * s;
+  const Vec3 on_face = x[0] + ((x[1] - x[0]) * (1 - s) + (x[2] - x[3]) * s) * r + (x[3] - x[0]) * s;
   const Vec3 normal = normalized(cross(x[2] - x[0], x[3] - x[1]));
   // A tenth of the way from the cell centre to the face, beyond the face along its normal.
   const double half = dot(normal, (x[0] + x[1] + x[2] + x[3]) / 4 - finder_.middle(cell));
   return finder_.smallest(
-      place + normal * (0.1 * std::abs(half)), [cell](std::uint32_t other) { return other != cell; }, scratch);
+      on_face + normal * (0.1 * std::abs(half)), [cell](std::uint32_t other) { return other != cell; }, scratch);
 }
 
 void for_each_partial_neighbour(const FaceNeighbours& faces,

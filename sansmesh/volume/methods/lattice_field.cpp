@@ -91,7 +91,7 @@ class LatticeField final : public PointwiseField {
   }
 
  protected:
-  void answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
+  void evaluate_at(const Vec3& x, const CellLocation& /*location*/, double* values, Vec3* gradients) const override {
     at_axes(volume().lattice->to_axes(x), values, gradients);
   }
 

@@ -36,17 +36,17 @@ class LocatedField : public VolumeField {
 
  protected:
   /// Writes the requested results at x, point `i` of the batch, with known location.
-  virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
-                         const VolumeFieldValues& wanted) const = 0;
+  virtual void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                              const VolumeFieldValues& wanted) const = 0;
 
   /// Position of the weights of a location: x inside, the nearest point of the volume outside.
-  Vec3 position_of(const VolumePlace& place) const;
+  Vec3 position_of(const CellLocation& location) const;
   const SampledVolume& volume() const { return *volume_; }
   const VolumeValues& samples() const { return values_; }
 
  private:
   template <class Visit>
-  void for_each_place(std::span<const Vec3> x, const Visit& visit) const;
+  void for_each_location(std::span<const Vec3> x, const Visit& visit) const;
 
   std::shared_ptr<const SampledVolume> volume_;
   VolumeValues values_;
@@ -60,9 +60,10 @@ class PointwiseField : public LocatedField {
   using LocatedField::LocatedField;
 
  protected:
-  /// The answer at x inside the volume: components() values, and as many gradients unless that is null.
-  virtual void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeFieldValues& wanted) const final;
+  /// The result at x inside the volume: components() values, and as many gradients unless that is null.
+  virtual void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const = 0;
+  void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                      const VolumeFieldValues& wanted) const final;
 };
 
 /// A sample's weight in a sum, and the gradient of the weight.
@@ -79,8 +80,9 @@ class WeightedField : public PointwiseField {
 
  protected:
   /// Replaces `out` by the weights at x, with slopes if requested.
-  virtual void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const = 0;
-  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
+  virtual void weights(const Vec3& x, const CellLocation& location, bool slopes,
+                       std::vector<SampleWeight>& out) const = 0;
+  void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const final;
 };
 
 }  // namespace sansmesh::inline v1::detail
