@@ -51,13 +51,13 @@ void evaluate_function(const ExpressionBuilder::Function& f, const Vec3* x, std:
                        Vec3* gradients) {
   std::array<Vec3, kAtOnce> at;
   for (std::size_t i = 0; i < n; ++i) at[i] = f.frame.map.back(x[i]);
-  const std::span<const Vec3> places(at.data(), n);
+  const std::span<const Vec3> inner(at.data(), n);
   const std::span<double> found(values, n);
   const std::span<Vec3> slopes(gradients, gradients ? n : 0);
   if (f.piece == kWholeNode) {
-    f.node->evaluate(places, found, slopes, {});
+    f.node->evaluate(inner, found, slopes, {});
   } else {
-    f.node->evaluate_piece(f.piece, places, found, slopes);
+    f.node->evaluate_piece(f.piece, inner, found, slopes);
   }
   const double factor = f.frame.sign * f.frame.map.scale;
   for (std::size_t i = 0; i < n; ++i) values[i] = factor * values[i] + f.frame.shift;

@@ -145,9 +145,9 @@ double MapStretch::at(const Vec3& x, Vec3* gradient) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = (x[k] - box_.lower[k]) * inverse_[k], most = static_cast<double>(counts_[k] - 1);
     inside[k] = at > 0 && at < most;
-    const double place = inside[k] ? at : at >= most ? most : 0;  // 0 for NaN
-    i[k] = std::min(static_cast<std::size_t>(place), counts_[k] > 1 ? counts_[k] - 2 : 0);
-    t[k] = place - static_cast<double>(i[k]);
+    const double coordinate = inside[k] ? at : at >= most ? most : 0;  // 0 for NaN
+    i[k] = std::min(static_cast<std::size_t>(coordinate), counts_[k] > 1 ? counts_[k] - 2 : 0);
+    t[k] = coordinate - static_cast<double>(i[k]);
     next[k] = std::min(i[k] + 1, counts_[k] - 1);
   }
   double row[4], slope[4];

@@ -134,9 +134,9 @@ class VolumePoses {
     if (outside) subject.boundary = &*outside;
     subject.image = plain.image;
     subject.field = &field;
-    std::vector<Vec3> places, framed = framed_;
-    if (outside) add_finite_points(outside->origin, outside->vertices, places);
-    subject.samples = places;
+    std::vector<Vec3> vertices, framed = framed_;
+    if (outside) add_finite_points(outside->origin, outside->vertices, vertices);
+    subject.samples = vertices;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
     if (options_.draw_folds && !folded.triangles.empty())

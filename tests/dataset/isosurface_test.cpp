@@ -178,8 +178,8 @@ TEST(ValueRanges, BoundTheValuesOfNearbyCells) {
         EXPECT_GE(found.most, values[i]);
       }
     }
-    EXPECT_TRUE(ranges.places_of(100).empty());
-    EXPECT_FALSE(ranges.places_of(0.5).empty());
+    EXPECT_TRUE(ranges.points_with(100).empty());
+    EXPECT_FALSE(ranges.points_with(0.5).empty());
   }
 }
 
