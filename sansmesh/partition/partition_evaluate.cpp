@@ -387,14 +387,14 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
     EvaluationTile tile;
     FarBatch far;
     Vec3f px[kTile];
-    std::size_t places[kTile];
+    std::size_t indices[kTile];
     for (std::size_t t = first; t < last; ++t) {
       const std::size_t base = t * kTile, m = std::min(kTile, n - base);
       for (std::size_t i = 0; i < m; ++i) {
-        places[i] = at(base + i);
-        px[i] = local(places[i]);
+        indices[i] = at(base + i);
+        px[i] = local(indices[i]);
       }
-      evaluate_tile(s, {px, m}, {places, m}, out, list, tile, far);
+      evaluate_tile(s, {px, m}, {indices, m}, out, list, tile, far);
       if (far.x.size() >= FarBatch::kMany) hand_over(s.far, far, plain, out);
     }
     hand_over(s.far, far, plain, out);

@@ -41,7 +41,7 @@ std::vector<std::uint64_t> sorted_names(const std::vector<ChainTriangle>& named,
   return names;
 }
 
-std::uint32_t place_in(const std::vector<std::uint64_t>& names, const ChainVertex& v) {
+std::uint32_t vertex_index(const std::vector<std::uint64_t>& names, const ChainVertex& v) {
   return static_cast<std::uint32_t>(std::lower_bound(names.begin(), names.end(), name_of(v)) - names.begin());
 }
 
@@ -66,7 +66,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const ChainVertex v = named[i][k];
-      chain.triangles[i][k] = v.a == v.b ? of_lattice[v.a] : first_edge + place_in(edges, v);
+      chain.triangles[i][k] = v.a == v.b ? of_lattice[v.a] : first_edge + vertex_index(edges, v);
     }
   });
   return chain;
@@ -79,7 +79,7 @@ SurfaceChain number_few_vertices(const std::vector<ChainTriangle>& named) {
   for (const std::uint64_t name : names) chain.vertices.push_back(vertex_of(name));
   chain.triangles.resize(named.size());
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
-    for (std::size_t k = 0; k < 3; ++k) chain.triangles[i][k] = place_in(names, named[i][k]);
+    for (std::size_t k = 0; k < 3; ++k) chain.triangles[i][k] = vertex_index(names, named[i][k]);
   });
   return chain;
 }

@@ -126,7 +126,7 @@ TEST(FootField, KeepsSheetsApart) {
         foot.defined = true;
         feet.feet.push_back(foot);
         feet.spacing.push_back(kApart);
-        feet.place.push_back(static_cast<std::uint32_t>(feet.place.size()));
+        feet.start.push_back(static_cast<std::uint32_t>(feet.start.size()));
       }
   const FootField field(feet);
   const std::vector<Vec3> x{{0.03, 0.02, 0.06}, {0.03, 0.02, 0.03}, {0.03, 0.02, -0.01}, {0.03, 0.02, -0.07}};
@@ -141,7 +141,7 @@ TEST(FootField, KeepsSheetsApart) {
 TEST(FootField, FeetAreFoundAndStraysAreNot) {
   std::vector<Vec3f> places{{0, 0, 1.1f}, {0, 0, 1.4f}, {0, 0, 2}, {0.9f, 0, 0}};
   const SurfaceFeet feet = find_feet(SphereProjection(), places, std::vector<float>(4, kApart));
-  EXPECT_EQ(feet.place, (std::vector<std::uint32_t>{0, 3}));  // four spacings away; undefined
+  EXPECT_EQ(feet.start, (std::vector<std::uint32_t>{0, 3}));  // four spacings away; undefined
   for (const FootPoint& foot : feet.feet) EXPECT_NEAR(norm(foot.position), 1, 1e-6);
   EXPECT_THROW(FootField(SurfaceFeet{}), DataError);
 }
