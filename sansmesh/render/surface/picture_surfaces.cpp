@@ -28,10 +28,10 @@ bool soft_light(const RenderOptions& options) {
 }
 
 /// A surface whose caster has local coordinates.
-class PlacedScene final : public PictureScene {
+class CastScene final : public PictureScene {
  public:
-  PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
-              const SurfaceRenderOptions& options)
+  CastScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+            const SurfaceRenderOptions& options)
       : options_(options), scene_(caster, frame, camera, colors, options_) {}
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
     scene_.closest(rays, points);
@@ -217,7 +217,7 @@ SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& local,
   own.picture.look.shadows = false;
   return [&caster, local, colors, own](const PictureFrame& frame, const Camera& camera) {
     const PictureFrame placed{local.from_input(frame.center), local.from_input(frame.size)};
-    return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
+    return std::make_unique<CastScene>(caster, placed, camera, colors, own);
   };
 }
 
