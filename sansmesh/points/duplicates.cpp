@@ -23,7 +23,7 @@ double repeated_share(std::vector<std::uint64_t> hashes) {
   return 1 - static_cast<double>(unique) / count;
 }
 
-/// Ascending hashes of positions that many samples share, from one sample per stretch at a pseudo-random place: with
+/// Ascending hashes of positions that many samples share, from one sample per stretch at a pseudo-random index: with
 /// regular steps, the rows of a scan would always contribute the same columns.
 std::vector<std::uint64_t> crowded_positions(const PointSet& points) {
   std::vector<std::uint64_t> some, crowded;

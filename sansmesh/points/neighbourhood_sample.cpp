@@ -24,7 +24,7 @@ constexpr std::size_t kCoarse = 30000;  ///< samples in the tree that estimates 
 constexpr std::size_t kLookedAt = 4096, kPile = 32;
 constexpr double kPileShare = 0.01;
 
-// One finite sample from each of `count` equal ranges of the file order, at a pseudo-random but fixed place: even over
+// One finite sample from each of `count` equal ranges of the file order, at a pseudo-random but fixed index: even over
 // scan lines, without aliasing with their period.
 std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, std::uint64_t seed) {
   const std::size_t n = points.size();

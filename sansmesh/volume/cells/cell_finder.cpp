@@ -81,9 +81,9 @@ void for_each_partial_neighbour(const FaceNeighbours& faces,
       const auto of_cell = cell_faces(cells.shapes[c]);
       for (std::size_t f = 0; f < of_cell.size(); ++f) {
         if (faces.equal(c, f) != kNoCell) continue;
-        constexpr double kPlaces[4][2] = {{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
+        constexpr double kParameters[4][2] = {{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
         for (std::size_t k = 0; k < of_cell[f].count; ++k) {
-          const std::uint32_t other = faces.beyond(c, f, kPlaces[k][0], kPlaces[k][1], scratch);
+          const std::uint32_t other = faces.beyond(c, f, kParameters[k][0], kParameters[k][1], scratch);
           if (other != kNoCell) found.push_back({static_cast<std::uint32_t>(c), cells[c][of_cell[f].corner[k]], other});
         }
       }

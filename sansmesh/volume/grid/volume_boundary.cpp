@@ -53,9 +53,9 @@ class BoundaryWalk {
 
  private:
   void add(const Patch& patch, int depth, std::vector<Patch>& out, std::vector<std::uint32_t>& scratch) const {
-    constexpr double kPlaces[5][2] = {{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}};
+    constexpr double kParameters[5][2] = {{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}};
     int covered = 0;
-    for (const auto& at : kPlaces) {
+    for (const auto& at : kParameters) {
       const std::uint32_t beyond =
           faces_.beyond(patch.cell, patch.face, patch.r0 + at[0] * patch.size, patch.s0 + at[1] * patch.size, scratch);
       covered += beyond != kNoCell;
