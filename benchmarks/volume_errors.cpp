@@ -33,7 +33,7 @@
 #include "sansmesh/volume/reconstruction.h"
 #include "thesis_functions.h"
 #include "volume/volume_grids.h"
-#include "volume/volume_places.h"
+#include "volume/volume_points.h"
 
 namespace {
 
@@ -128,7 +128,7 @@ void measure(const std::string& name, const Options& options) {
     made.attributes.set(fmt::format("f{}", f + 1), std::move(values));
   }
   const auto volume = std::make_shared<const SampledVolume>(std::move(made));
-  const auto x = options.by_cells ? test::places_within(*volume, options.count) : points_inside(*volume, options.count);
+  const auto x = options.by_cells ? test::points_within(*volume, options.count) : points_inside(*volume, options.count);
   const VolumeFacts& facts = volume->facts;
   fmt::print(
       "\n{}: {}{}, {} samples, {} cells, aspect {:.3g}, {} merged, {} degenerate, {} overlapped; assembled in "

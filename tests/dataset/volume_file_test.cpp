@@ -46,7 +46,7 @@ struct EvaluatedField {
 
 /// Answers at points inside and around the volume, without NaN, for comparison.
 EvaluatedField evaluated(const VolumeField& field, const SampledVolume& volume) {
-  std::vector<Vec3> x = places_within(volume, 150);
+  std::vector<Vec3> x = points_within(volume, 150);
   const Box3 box = volume.bounds();
   for (int k = 0; k < 30; ++k) x.push_back(box.center() + (x[static_cast<std::size_t>(k)] - box.center()) * 2.5);
   const std::size_t n = x.size(), c = field.components();

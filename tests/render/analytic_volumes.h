@@ -74,7 +74,7 @@ struct TwoSpecks {
   TwoSpecks& operator=(const TwoSpecks&) = delete;
 
   /// Spread over the insides of both.
-  std::vector<Vec3> places() const {
+  std::vector<Vec3> points() const {
     std::vector<Vec3> x;
     for (const Vec3& c : centers)
       for (int k = -1; k <= 1; ++k)

@@ -226,22 +226,22 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   };
   specks.field.value = [=](const Vec3& x) { return squared_norm(x - nearest(x)); };
   specks.field.gradient = [=](const Vec3& x) { return (x - nearest(x)) * 2; };
-  const std::vector<Vec3> places = specks.places();
+  const std::vector<Vec3> points = specks.points();
   Progress progress;
   const BakedVolume blind(specks.field, {}, progress);
   BakeOptions options;
-  options.samples = places, options.tolerance = 0.02;
+  options.samples = points, options.tolerance = 0.02;
   const BakedVolume baked(specks.field, options, progress);
   EXPECT_EQ(blind.report().checked, 0u);
-  EXPECT_EQ(baked.report().checked, places.size());
+  EXPECT_EQ(baked.report().checked, points.size());
   EXPECT_TRUE(baked.report().finished);
   EXPECT_LE(baked.report().cell_error_most, options.tolerance);
   EXPECT_LT(baked.report().error_most, 3 * options.tolerance);
-  const EvaluatedField exact(specks.field, places), found(baked, places), missed(blind, places);
+  const EvaluatedField exact(specks.field, points), found(baked, points), missed(blind, points);
   double worst = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(missed.inside[i], 0);
-    if (norm(places[i] - nearest(places[i])) < 0.8 * specks.radius) EXPECT_EQ(found.inside[i], 1) << i;
+    if (norm(points[i] - nearest(points[i])) < 0.8 * specks.radius) EXPECT_EQ(found.inside[i], 1) << i;
     worst = std::max(worst, std::abs(found.values[i] - exact.values[i]));
   }
   EXPECT_LT(worst, 3 * options.tolerance * (baked.report().most - baked.report().least));

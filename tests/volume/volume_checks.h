@@ -13,7 +13,7 @@
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "volume/volume_grids.h"
-#include "volume/volume_places.h"
+#include "volume/volume_points.h"
 
 namespace sansmesh::test {
 
