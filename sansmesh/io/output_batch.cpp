@@ -252,7 +252,7 @@ void OutputBatch::Files::commit() {
   sync_files();
   check_cancelled();
   std::vector<Waiting> all;
-  std::vector<std::filesystem::path> folders;
+  std::vector<std::filesystem::path> parents;
   int failed = 0;
   const Waiting* culprit = nullptr;
   {
@@ -267,12 +267,12 @@ void OutputBatch::Files::commit() {
       placed.push_back(w.file);
       std::filesystem::path folder = w.target.parent_path();
       if (folder.empty()) folder = ".";
-      if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
+      if (std::find(parents.begin(), parents.end(), folder) == parents.end()) parents.push_back(std::move(folder));
     }
     folders.clear();
   }
   int lost = 0;
-  for (const std::filesystem::path& folder : folders)
+  for (const std::filesystem::path& folder : parents)
     if (const int error = sync_path(folder); error != 0) lost = error;
   if (culprit) {
     if (placed.empty()) io::fail_output(culprit->file, failed);
