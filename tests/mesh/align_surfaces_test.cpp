@@ -220,7 +220,7 @@ TEST(PointFeatures, DoNotChangeWhenMoved) {
   std::vector<Vec3> x, n, moved_x, moved_n;
   for (const Vec3f& v : mesh.vertices) {
     x.emplace_back(v), n.push_back(normalized(Vec3(v)));
-    moved_x.push_back(motion(x.back())), moved_n.push_back(motion.rotate(n.back()));
+    moved_x.push_back(motion(x.back())), moved_n.push_back(motion.linear(n.back()));
   }
   const auto here = point_features(x, n, 0.5), there = point_features(moved_x, moved_n, 0.5);
   double worst = 0, apart = 0;
