@@ -213,7 +213,7 @@ void count_flips() {
 class PlainSvdMap : public SpaceMap {
  public:
   explicit PlainSvdMap(std::vector<Handle> handles) : handles_(std::move(handles)) {}
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size() && !wanted.positions.empty(); ++i) {
       const Moment m = moment_at(handles_, x[i], true);
       const detail::Rows3 r = plain_svd(m.b);

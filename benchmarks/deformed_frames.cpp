@@ -60,7 +60,7 @@ std::vector<Handle> leaning(const Box3& box) {
 }
 
 std::shared_ptr<const VolumeField> field_of(VolumeDataset& data, Progress& progress) {
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "cubic";
   return data.field({data.default_array().name, {}, false}, options, progress);
 }

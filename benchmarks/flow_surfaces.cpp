@@ -63,7 +63,7 @@ std::shared_ptr<const VolumeField> sampled(const VectorField& flow, std::array<s
   block.point_arrays.set("v", std::move(values), 3);
   Progress progress;
   auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, Association::points, progress));
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "linear";
   return reconstruct_volume(std::move(volume), "v", options, progress);
 }
@@ -225,7 +225,7 @@ void lines(const std::string& file) {
   if (file == kBluntFin && !std::filesystem::exists(file)) return;
   Progress progress;
   VolumeDataset volume(read_volumes({file}));
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "linear";
   for (const DatasetArray& array : volume.arrays())
     if (array.components == 3)

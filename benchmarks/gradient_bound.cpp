@@ -1,8 +1,8 @@
 // Benchmark of gradients of fitted functions: fits thin shapes of high genus, synthetic and scanned, and samples ‖∇F‖
 // densely in the domain (where supports reach), near the surface, where the weights are small, and in the whole box.
 //
-// Exits with status 1 if a shape exceeds its bound: more than one of 1000 points of the domain above kSoundSlope, or
-// above the known value of samples that bound no solid.
+// Exits with status 1 if a shape exceeds its bound: more than one of 1000 points of the domain above
+// kPlausibleGradient, or above the known value of samples that bound no solid.
 //
 //   benchmark_gradient_bound [--points N] [--only TEXT] [--data FOLDER] [--where]
 #include <cstdio>
@@ -151,7 +151,7 @@ void measure(const std::string& name, PointSet cloud, const Options& options) {
       "%6.3f |\n",
       name.c_str(), samples, data.supports.size(), d.largest, d.p999, d.p99, n.largest, n.p999, r.largest, b.largest,
       b.p999, steepest[0], apart[0], steepest[1], apart[1]);
-  double bar = kSoundSlope;
+  double bar = kPlausibleGradient;
   for (const auto& [of, steeper] : kSteeper)
     if (name == of) bar = steeper;
   if (!(d.p999 < bar)) {

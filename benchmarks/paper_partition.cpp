@@ -115,8 +115,8 @@ void measure(const std::string& name, const PointSet& cloud, int depth, const Ar
     const double mesh_seconds = meshing_time.seconds();
     TriangleMesh own = mesh;
     move_from_input(own, function.frame);
-    const FarPlaces invented = find_invented(own, samples, r.spacing, 200000);
-    const FarPlaces lost = find_lost(own, samples, r.spacing, r.noise);
+    const FarPoints invented = find_invented(own, samples, r.spacing, 200000);
+    const FarPoints lost = find_lost(own, samples, r.spacing, r.noise);
     TriangleMesh reference;
     reference.origin = samples.origin;
     reference.vertices = samples.positions;

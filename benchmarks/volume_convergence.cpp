@@ -77,7 +77,7 @@ Errors errors_at(const VolumeField& field, const std::vector<Vec3>& x, Function 
 
 void converge(const std::string& grid, const std::string& method, int levels, std::size_t count) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   for (int f = 0; f < 3; ++f) {
     double before = 0;

@@ -33,7 +33,7 @@
 #include "sansmesh/volume/reconstruction.h"
 #include "thesis_functions.h"
 #include "volume/volume_grids.h"
-#include "volume/volume_places.h"
+#include "volume/volume_points.h"
 
 namespace {
 
@@ -74,7 +74,7 @@ GridData made_up(const std::string& name, std::size_t n, bool& found) {
   return {};
 }
 
-std::vector<Vec3> places_inside(const SampledVolume& volume, std::size_t count) {
+std::vector<Vec3> points_inside(const SampledVolume& volume, std::size_t count) {
   const VolumeLocator locator(volume);
   const Box3 box = volume.bounds();
   std::mt19937 random(12345);
@@ -84,10 +84,10 @@ std::vector<Vec3> places_inside(const SampledVolume& volume, std::size_t count) 
     std::vector<Vec3> x(count);
     for (Vec3& p : x)
       for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
-    std::vector<VolumePlace> places(x.size());
-    locator.locate(x, places);
+    std::vector<CellLocation> locations(x.size());
+    locator.locate(x, locations);
     for (std::size_t i = 0; i < x.size() && inside.size() < count; ++i)
-      if (places[i].inside) inside.push_back(x[i]);
+      if (locations[i].inside) inside.push_back(x[i]);
   }
   return inside;
 }
@@ -128,7 +128,7 @@ void measure(const std::string& name, const Options& options) {
     made.attributes.set(fmt::format("f{}", f + 1), std::move(values));
   }
   const auto volume = std::make_shared<const SampledVolume>(std::move(made));
-  const auto x = options.by_cells ? test::places_within(*volume, options.count) : places_inside(*volume, options.count);
+  const auto x = options.by_cells ? test::points_within(*volume, options.count) : points_inside(*volume, options.count);
   const VolumeFacts& facts = volume->facts;
   fmt::print(
       "\n{}: {}{}, {} samples, {} cells, aspect {:.3g}, {} merged, {} degenerate, {} overlapped; assembled in "
@@ -139,7 +139,7 @@ void measure(const std::string& name, const Options& options) {
              "max/lin", "not finite", "fit s", "ask s");
   double linear_mean[3] = {}, linear_max[3] = {};
   for (const std::string& method : options.methods) {
-    ReconstructionOptions wanted;
+    VolumeReconstructionOptions wanted;
     wanted.method = method;
     for (int f = 0; f < 3; ++f) {
       try {

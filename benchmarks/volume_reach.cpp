@@ -60,7 +60,7 @@ struct Volume {
   std::unique_ptr<VolumeDataset> data;
   std::shared_ptr<const SampledVolume> samples;
   std::string array;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
 
   Volume(const std::vector<std::string>& files, const std::string& wanted, const std::string& method) {
     data = std::make_unique<VolumeDataset>(read_volumes(files));

@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
 
     // Find doubtful regions.
     const Diagnosis diagnosis = diagnose(function, {}, progress).diagnosis;
-    std::printf("%zu suspicious places, largest gradient %.2f\n", diagnosis.places.size(), diagnosis.largest_gradient);
+    std::printf("%zu suspicious regions, largest gradient %.2f\n", diagnosis.regions.size(),
+                diagnosis.largest_gradient);
 
     // Replace the fits in a ball around the first vertex, a tenth of the shape wide, by planes. Only that part is
     // meshed again.

@@ -104,7 +104,7 @@ PointSet read_cloud(ByteReader& in, const std::string& name, ReadReport& report)
   }
   PointSet points;
   const io::Input input{name, {}, report};
-  io::place_positions(input, points, n, [&](std::size_t i) { return samples[i].place; });
+  io::store_positions(input, points, n, [&](std::size_t i) { return samples[i].place; });
   if (normals > 0)
     for (std::size_t i = 0; i < n; ++i) {
       const double sign = normals == 2 || (normals == 3 && i % 3 == 0) ? -1 : 1;

@@ -254,7 +254,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     VolumeDataset dataset(std::move(grid));
     const auto samples = dataset.volume("s", progress);
     if (task == 0) return inform(*samples, dataset);
-    ReconstructionOptions options;
+    VolumeReconstructionOptions options;
     if (method < methods.size()) options.method = std::string(methods[method]->name);
     VolumeReconstructionReport report;
     const auto field = dataset.field({"s", {}, false}, options, progress, &report);

@@ -1,10 +1,10 @@
-// Marks of the public interface.
+// Macro that exports the symbols of the public interface.
 #pragma once
 
-/// Everything that programs use of the library, in the inline namespace v1.
+/// Public interface of the library, in the inline namespace v1.
 namespace sansmesh {}
 
-/// What programs may use of the shared library: nothing else is exported.
+/// Exports a symbol from the shared library. All other symbols are hidden.
 #if defined(__GNUC__)
 #define SANSMESH_API __attribute__((visibility("default")))
 #else

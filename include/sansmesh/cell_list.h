@@ -55,10 +55,11 @@ struct CellList {
   }
 };
 
-/// Lists of numbers, one per row, in one array.
-struct Adjacency {
-  std::vector<std::uint32_t> entries;   ///< entries of all rows, row by row
-  std::vector<std::uint64_t> first{0};  ///< start of each row in `entries`; one more entry than rows
+/// Lists of numbers, one per row, in one array (compressed sparse rows). `Offset` counts the entries.
+template <class Offset>
+struct AdjacencyT {
+  std::vector<std::uint32_t> entries;  ///< entries of all rows, row by row
+  std::vector<Offset> first{0};        ///< start of each row in `entries`; one more entry than rows
 
   /// Number of rows.
   std::size_t size() const { return first.size() - 1; }
@@ -67,5 +68,8 @@ struct Adjacency {
     return std::span(entries).subspan(first[row], first[row + 1] - first[row]);
   }
 };
+
+/// Lists of any length.
+using Adjacency = AdjacencyT<std::uint64_t>;
 
 }  // namespace sansmesh::inline v1

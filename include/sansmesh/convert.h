@@ -24,9 +24,9 @@ namespace sansmesh::inline v1 {
 
 /// Sets the fixed point of later rotations and scalings that have none themselves: "about".
 struct SANSMESH_API AboutStep {
-  std::optional<Vec3> place = {};       ///< fixed point; default: 0
-  bool center = false;                  ///< the centre of the current bounding box is fixed instead
-  static const OptionSchema& schema();  ///< option rows, one per field
+  std::optional<Vec3> fixed_point = {};  ///< default: 0; schema name: "place"
+  bool center = false;                   ///< the centre of the current bounding box is fixed instead
+  static const OptionSchema& schema();   ///< option rows, one per field
 };
 
 /// Applies an affine map or its inverse to everything: "transform", "inverse_transform".
@@ -161,7 +161,7 @@ struct SANSMESH_API CloudOrMesh {
   PointSet points;       ///< points of a cloud
   TriangleMesh mesh;     ///< mesh, if is_mesh
   /// Attributes of three reals that transformations left unchanged, since they may not be directions.
-  std::vector<std::string> unturned;
+  std::vector<std::string> untransformed;
   /// Edges with three or more triangles that welding made.
   std::size_t nonmanifold_edges_of_weld = 0;
 
@@ -180,7 +180,7 @@ struct SANSMESH_API CloudOrMesh {
   /// Attributes of the points or vertices.
   const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
   /// ", with normals, colours, intensity and 3 more": names of the attributes, except lost ones.
-  std::string belongings(const std::vector<std::string>& lost) const;
+  std::string attribute_words(const std::vector<std::string>& lost) const;
   /// Drops the triangles of a mesh; its vertices become the points.
   void make_points();
 };
@@ -197,7 +197,7 @@ struct SANSMESH_API ConvertOptions {
 };
 
 /// State after a step.
-struct SANSMESH_API ConvertedBy {
+struct SANSMESH_API ConvertStepReport {
   std::string_view step;                 ///< name of the step
   std::string remark;                    ///< effect of the step as text; may be empty
   std::size_t size = 0;                  ///< number of points or vertices
@@ -208,10 +208,10 @@ struct SANSMESH_API ConvertedBy {
 
 /// Report of convert().
 struct SANSMESH_API ConvertReport {
-  std::string size_words;          ///< size of the input: "1,234 points"
-  std::size_t size = 0;            ///< points or vertices of the input
-  std::size_t triangles = 0;       ///< triangles of the input; 0 for a cloud
-  std::vector<ConvertedBy> steps;  ///< state after each step
+  std::string size_words;                ///< size of the input: "1,234 points"
+  std::size_t size = 0;                  ///< points or vertices of the input
+  std::size_t triangles = 0;             ///< triangles of the input; 0 for a cloud
+  std::vector<ConvertStepReport> steps;  ///< state after each step
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -122,7 +122,7 @@ struct SANSMESH_API DeformationMapOptions {
 
 // ---- Options -----------------------------------------------------------------------------------------------------
 
-/// What to make of a deformed object: the same kind of object (of a solid, a mesh), its sections, or a picture.
+/// Result of a deformation: an object of the same kind (a mesh for a solid), its sections, or a picture.
 enum class DeformAim : std::uint8_t { shape, sections, picture };
 /// Contents of a file by its ending: a picture (.png), sections (.svg, .csv), or else a shape.
 SANSMESH_API DeformAim deform_aim(const std::string& file);
@@ -147,9 +147,9 @@ struct SANSMESH_API DeformOptions {
   int map_nodes = 96;
   bool exact_deformation = false;  ///< in pictures: evaluates the deformation exactly, for solids without a mesh
   bool draw_handles = false;       ///< in pictures: draws handles as balls and arrows
-  bool draw_folds = false;         ///< in pictures: draws places where space folds
+  bool draw_folds = false;         ///< in pictures: draws the regions where space folds
   VolumePictureOptions look = {};  ///< for pictures; for objects other than volumes only its RenderOptions
-  bool any_view = true;            ///< no view was chosen: the view of a thin volume is perpendicular to it
+  bool default_view = true;        ///< no view was chosen: the view of a thin volume is perpendicular to it
 
   /// Option rows without `look`.
   static const OptionSchema& schema();

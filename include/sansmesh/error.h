@@ -42,7 +42,8 @@ struct ArgumentFault {
   std::string remedy = {};  ///< remedy; empty if `allowed` states it
 };
 
-/// An argument or option out of range. Messages name options by their fields, between grave accents: `enhance = false`.
+/// An argument or option out of range. Messages name options by their fields, between grave accents, or by the name in
+/// their schema if that differs: `enhance = false`.
 class SANSMESH_API ArgumentError : public Error {
  public:
   /// Error about several options, or an argument that is not an option: fault() stays empty.

@@ -88,6 +88,6 @@ struct SANSMESH_API PaperReport {
 
 /// Largest plausible length of gradients of fitted functions: 999 in 1,000 are shorter. Longer ones come from sheets
 /// that are too close to each other, from rims, and from contradicting samples. Not a bound: see ScalarField::ranges().
-constexpr double kSoundSlope = 3;
+constexpr double kPlausibleGradient = 3;
 
 }  // namespace sansmesh::inline v1

@@ -54,7 +54,7 @@ struct SANSMESH_API TraceOptions {
   double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
   double length = std::numeric_limits<double>::infinity();    ///< length of the line, > 0
   /// Speed (length per time, >= 0) below which a particle has reached a critical point. If not 0, dopri5 particles in
-  /// fields without moments() also stop when they advance by less than 32 tolerances in 64 steps.
+  /// fields without sample_times() also stop when they advance by less than 32 tolerances in 64 steps.
   double least_speed = 0;
   std::size_t most_steps = 20'000;  ///< >= 1, rejected steps included
 

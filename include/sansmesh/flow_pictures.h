@@ -41,7 +41,7 @@ struct SANSMESH_API FlowPictureOptions {
   std::string unit = {};       ///< unit of the displayed quantity
   std::string title = {};      ///< title above the picture
   RenderOptions picture = {};  ///< its width includes the bars
-  bool any_view = true;        ///< no view was chosen: the view of a single layer is perpendicular to it
+  bool default_view = true;    ///< no view was chosen: the view of a single layer is perpendicular to it
 
   /// Option rows, those of `picture` included.
   static const OptionSchema& schema();

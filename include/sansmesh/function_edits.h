@@ -141,8 +141,8 @@ struct SANSMESH_API DiagnoseOptions {
   /// Largest rms distance of a support's samples (length, input); default: six times the median of all supports, at
   /// least a quarter of the spacing.
   std::optional<double> error_above = {};
-  double gradient_above = kSoundSlope;  ///< largest length of the gradient, > 1
-  std::size_t places = 20;              ///< largest number of places of each kind
+  double gradient_above = kPlausibleGradient;  ///< largest length of the gradient, > 1
+  std::size_t most_regions = 20;  ///< largest number of reported regions of each kind; schema name: "places"
 
   static const OptionSchema& schema();  ///< one row a field
   /// Throws ArgumentError naming the field.
@@ -150,7 +150,7 @@ struct SANSMESH_API DiagnoseOptions {
 };
 
 /// A doubtful region of the function.
-struct SuspiciousPlace {
+struct SuspiciousRegion {
   Suspicion kind = Suspicion::low_coverage;  ///< reason
   Vec3 position;                             ///< centre (input)
   Vec3 normal;                               ///< mean outward normal of the surface there; 0 if directions cancel
@@ -162,13 +162,13 @@ struct SuspiciousPlace {
 
 /// Doubtful regions of a function.
 struct SANSMESH_API Diagnosis {
-  std::vector<SuspiciousPlace> places;  ///< grouped by kind, the largest first
-  /// Number of places of each kind, including those beyond DiagnoseOptions::places.
+  std::vector<SuspiciousRegion> regions;  ///< grouped by kind, the largest first
+  /// Number of regions of each kind, including those beyond DiagnoseOptions::most_regions.
   std::array<std::size_t, kSuspicions> found{};
   double error_above = 0;       ///< threshold used (length)
   double largest_gradient = 0;  ///< at and around the surface
   TriangleMesh mesh;            ///< mesh with all components; coloured by suspicion_color
-  /// The edits of those places that have one, in their order.
+  /// The edits of the regions that have one, in their order.
   std::vector<Edit> edits() const;
 };
 

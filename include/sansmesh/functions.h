@@ -141,7 +141,7 @@ SANSMESH_API EditedFunction edit(EditInput input, const std::vector<Edit>& edits
 
 /// Doubtful region of a function, numbered.
 struct SANSMESH_API ListedRegion {
-  SuspiciousPlace region;           ///< location and reason
+  SuspiciousRegion region;          ///< location and reason
   std::size_t number = 0;           ///< number from 1, grouped by kind
   std::optional<std::size_t> step;  ///< number of the proposed edit, from 1
 

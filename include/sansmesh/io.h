@@ -1,6 +1,7 @@
-// Files in and out. The format follows from the file's name (".ply", ".ply.gz", …) and, where that fails, its content.
-// Every function throws FileError naming the file and the cause; outputs appear whole or not at all (they are written
-// under a temporary name in the same folder and renamed).
+// Reads and writes clouds, meshes, lines, images and text. The format follows from the file's suffix (".ply",
+// ".ply.gz", …); readers also inspect the content if the suffix is unknown. Every function throws FileError, which
+// names the file and the cause. Outputs are atomic: they are written under a temporary name in the same folder and then
+// renamed.
 #pragma once
 
 #include <string>
@@ -15,92 +16,91 @@
 
 namespace sansmesh::inline v1 {
 
-/// What a reader found apart from the data.
+/// Format, warnings and omissions of a reader.
 struct ReadReport {
   std::string format;                 ///< e.g. "PLY binary little endian"
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
-  /// What the file holds besides, for which there is no place in the data: "texture coordinates". Of several files that
-  /// of each, once.
+  /// Contents of the file that the data cannot hold, each listed once: "texture coordinates".
   std::vector<std::string> unread;
 };
 
-/// Points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file or of a Stanford .conf alignment
-/// (several scans merged with their transforms; a scan that is not there is left out with a warning unless all are
-/// missing), gzipped or not. Non-finite points are left out with a warning. Further numbers of points and faces (PLY
-/// scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the type that the
-/// file says; text without types: int32, or int64 or uint64 where they need it, if all are whole, else double.
+/// Reads the points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file, or of a Stanford .conf alignment
+/// (several scans merged with their transforms; a missing scan is left out with a warning unless all are missing),
+/// gzipped or not. Points that are not finite are left out with a warning. Further numbers of points and faces (PLY
+/// scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the type in the
+/// file. Columns of text without types become int32 if all numbers are integers (int64 or uint64 if necessary), else
+/// double.
 ///
-/// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 the first),
-/// `classification` (uint8, the ASPRS classes of sansmesh/cloud_options.h), `synthetic` and `overlap` (uint8, 1 where
-/// flagged so; overlap in point formats 6 to 10), `scan_angle` (float, degrees from straight down, positive to the
-/// right of the flight), `point_source_id` (uint16, flight line), `user_data` (uint8), `gps_time` (double, seconds as
-/// the file counts them) and `near_infrared` (uint16), as far as the point format has them and any point has another
-/// than 0; and what else the file describes (extra bytes) by the names that it gives, double where they are scaled.
-/// Points flagged as withheld are left out with a warning.
+/// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 is the first),
+/// `classification` (uint8, the ASPRS classes of sansmesh/cloud_options.h), `synthetic` and `overlap` (uint8, 1 if
+/// flagged; overlap in point formats 6 to 10), `scan_angle` (float, degrees from straight down, positive to the right
+/// of the flight), `point_source_id` (uint16, flight line), `user_data` (uint8), `gps_time` (double, seconds in the
+/// file's time base) and `near_infrared` (uint16). An attribute is present if the point format has it and any value
+/// differs from 0. Extra bytes have the names in the file, and are double if they are scaled. Points flagged as
+/// withheld are left out with a warning.
 ///
-/// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
+/// Throws FileError if the file is missing, empty, truncated, malformed or holds no points.
 SANSMESH_API PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 
-/// Whether there is a reader of clouds and meshes for files of that ending.
+/// Whether a reader of clouds and meshes exists for the suffix of that file.
 SANSMESH_API bool is_read(const std::string& file);
 
-/// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
-/// one origin, that of the first file, so that a place has the same position whichever file it comes from. Attributes
-/// are those of all files; where a file has one not, or of another type than the first that has it, its points' numbers
-/// are unknown (NaN, or 0 of integers). Normals and colours are left out, with a warning, unless all files have them;
-/// scanner positions stay, and are unknown of the points of other files. Of meshes the faces come together too. Points
-/// at the same place in several files stay as they are.
-/// Warnings begin with the name of their file. Throws FileError as read_points, and where some of the files have faces
-/// and others have none; ArgumentError for no files at all.
+/// Reads several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All positions
+/// refer to the origin of the first file. The attributes are those of all files; if a file lacks one, or has it with
+/// another type than the first file that has it, the values of its points are unknown (NaN, or 0 for integers). Normals
+/// and colours are left out, with a warning, unless all files have them. Scanner positions are kept, and are unknown
+/// for points of files without them. Faces of meshes are kept. Coincident points of different files are all kept.
+/// Warnings begin with the name of their file. Throws FileError as read_points, and if only some of the files have
+/// faces; ArgumentError if there are no files.
 SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);
 
-/// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
+/// Reads a mesh; polygons are triangulated as fans. Throws FileError as read_points, and if the file has no faces.
 SANSMESH_API TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
 
-/// The lines of a VTP file, with the attributes of their points; empty where it has none, and for files of other kinds,
-/// which hold no lines. Throws FileError as read_points.
+/// Reads the lines of a VTP file, with the attributes of their points. Empty if there are none, and for files of other
+/// formats. Throws FileError as read_points.
 SANSMESH_API PolylineSet read_lines(const std::string& file);
 
-/// How a file is written.
+/// Options of writers.
 struct WriteOptions {
-  bool ascii = false;  ///< text instead of binary, where the format has both
+  bool ascii = false;  ///< text instead of binary, if the format has both
 };
 
-/// Writes PLY, OBJ, STL, OFF, GLB, VTP by the name's ending. PLY and VTP hold all attributes, GLB those of vertices
-/// that are 1 to 4 floats, the others none. Columns of PLY are single numbers named by one word: components become
-/// name_0, name_1, …, and what would tear the header becomes '_'.
+/// Writes PLY, OBJ, STL, OFF, GLB or VTP, by the suffix. PLY and VTP hold all attributes, GLB those of vertices with 1
+/// to 4 floats, the other formats none. PLY properties are single numbers named by one word: components become name_0,
+/// name_1, …, and characters that would break the header become '_'.
 SANSMESH_API void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
 
-/// Writes PLY, OBJ, XYZ, CSV, PCD, VTP or LAS by the name's ending. PLY, CSV, PCD, VTP and LAS hold attributes (PLY,
-/// CSV and PCD as columns, see write_mesh), the others none. Triangles are not written.
+/// Writes PLY, OBJ, XYZ, CSV, PCD, VTP or LAS, by the suffix. PLY, CSV, PCD, VTP and LAS hold attributes (PLY, CSV and
+/// PCD as columns, see write_mesh), the others none. Triangles are not written.
 ///
-/// LAS: version 1.2 if its point formats hold the attributes of LAS (see read_points) that there are, else 1.4; others,
-/// and those that do not fit, as extra bytes. Coordinates count decimal steps finer than the floats of the positions.
-/// No normals. Throws ArgumentError for positions that are not finite.
+/// LAS: version 1.2 if its point formats hold the LAS attributes of the cloud (see read_points), else 1.4. Other
+/// attributes, and values out of range, become extra bytes. Coordinates are multiples of a decimal step finer than the
+/// floats of the positions. Normals are not written. Throws ArgumentError for positions that are not finite.
 SANSMESH_API void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
 
-/// Whether there is a writer for files of that ending; kind: "mesh", "points" or "lines".
+/// Whether a writer exists for the suffix of that file; kind: "mesh", "points" or "lines".
 SANSMESH_API bool is_written(const std::string& file, const std::string& kind);
 
-/// What the format of `file` has no room for, of what there is: "normals", "colours", names of attributes, "… of
-/// triangles". Throws FileError where there is no writer.
+/// Parts of the mesh that the format of `file` cannot hold: "normals", "colours", names of attributes, "… of
+/// triangles". Throws FileError if there is no writer.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh);
-/// The same of a cloud.
+/// Same, for a cloud.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const PointSet& points);
 
-/// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (a row a
-/// point: line,x,y,z and the attributes of points; `time`, where there is one, comes second) by the name's ending.
+/// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (one row per
+/// point: line, time if present, x, y, z and the other attributes of points), by the suffix.
 SANSMESH_API void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options = {});
 
-/// Writes a PNG of 8 bits a channel; values beyond 0..1 are clamped. Throws ArgumentError for an image without pixels,
-/// or without width · height of them; FileError for another ending than .png.
+/// Writes a PNG with 8 bits per channel; values outside 0..1 are clamped. Throws ArgumentError if the number of pixels
+/// is 0 or not width · height; FileError for a suffix other than .png.
 SANSMESH_API void write_image(const std::string& file, const Image& image);
 
-/// Writes text (JSON, CSV) as it is, atomically.
+/// Writes text (JSON, CSV) unchanged.
 SANSMESH_API void write_text(const std::string& file, const std::string& text);
 
-/// Throws FileError early, before long work, if `file` has an ending that no writer knows (kind: "mesh", "points",
-/// "lines", "image") or its folder does not exist or cannot be written.
+/// Throws FileError before long work if no writer knows the suffix of `file` (kind: "mesh", "points", "lines",
+/// "image"), or if its folder does not exist or cannot be written.
 SANSMESH_API void check_writable(const std::string& file, const std::string& kind);
 
 }  // namespace sansmesh::inline v1

@@ -127,7 +127,7 @@ struct SANSMESH_API SurfaceInVolumeOptions {
   void validate() const;
 };
 
-/// Surface that the samples of a volume define: an isovalue, or the place of the steepest change. Cheap to copy.
+/// Surface that the samples of a volume define: an isosurface, or the surface of steepest change. Cheap to copy.
 struct SANSMESH_API SurfaceInVolume {
   std::shared_ptr<const VolumeSurface> surface;  ///< for the jobs below and for pictures
   VolumeSurfaceReport report;                    ///< how it was found

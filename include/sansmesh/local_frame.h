@@ -71,13 +71,13 @@ struct SANSMESH_API AffineMap {
   Vec3 shift;                               ///< image of 0 (length)
 
   /// A v, for directions and differences of positions.
-  Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3 linear(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
   /// A p + shift, for positions.
-  Vec3 operator()(const Vec3& p) const { return turn(p) + shift; }
+  Vec3 operator()(const Vec3& p) const { return linear(p) + shift; }
   /// det A, the factor of volumes. Negative if the map mirrors.
   double determinant() const { return dot(x, cross(y, z)); }
   /// Whether A is exactly the identity.
-  bool only_shifts() const { return x == Vec3{1, 0, 0} && y == Vec3{0, 1, 0} && z == Vec3{0, 0, 1}; }
+  bool is_translation() const { return x == Vec3{1, 0, 0} && y == Vec3{0, 1, 0} && z == Vec3{0, 0, 1}; }
   /// Rows of the 4×4 matrix.
   std::array<std::array<double, 4>, 4> rows() const {
     return {{{x.x, y.x, z.x, shift.x}, {x.y, y.y, z.y, shift.y}, {x.z, y.z, z.z, shift.z}, {0, 0, 0, 1}}};

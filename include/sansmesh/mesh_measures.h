@@ -107,11 +107,11 @@ struct SurfaceDistance {
 };
 
 /// Share of points that are far from a reference.
-struct SANSMESH_API FarPlaces {
-  std::size_t looked_at = 0;  ///< number of points
-  double beyond = 0;          ///< distance from which a point counts as far (length)
-  double share = 0;           ///< share of far points, 0..1
-  std::optional<Vec3> most;   ///< point around which most far points are (input); absent if none is far
+struct SANSMESH_API FarPoints {
+  std::size_t tested = 0;       ///< number of points
+  double beyond = 0;            ///< distance from which a point counts as far (length)
+  double share = 0;             ///< share of far points, 0..1
+  std::optional<Vec3> densest;  ///< point around which most far points are (input); absent if none is far
 
   static const ReportSchema& schema();  ///< a row per reported value
 };
@@ -120,8 +120,8 @@ struct SANSMESH_API FarPlaces {
 struct SANSMESH_API MeshCoverage {
   double spacing = 0;  ///< estimated spacing of the samples (length)
   double noise = 0;    ///< estimated noise of the samples: standard deviation (length)
-  FarPlaces lost;      ///< samples without a surface
-  FarPlaces invented;  ///< surface without samples
+  FarPoints lost;      ///< samples without a surface
+  FarPoints invented;  ///< surface without samples
 
   static const ReportSchema& schema();  ///< a row per reported value
 };
@@ -129,7 +129,7 @@ struct SANSMESH_API MeshCoverage {
 /// Start of the search for a motion.
 enum class AlignStart : std::uint8_t {
   automatic,   ///< given pose; if the search fails, all poses
-  as_it_lies,  ///< given pose only
+  given_pose,  ///< given pose only
   anywhere     ///< all rotations, and similar-looking regions
 };
 
@@ -156,9 +156,9 @@ struct SANSMESH_API SimilarityMotion {
   Vec3 to;                                  ///< image of the centre
 
   /// R v, for directions.
-  Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3 rotate(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
   /// Image of a position.
-  Vec3 operator()(const Vec3& p) const { return turn(p - from) * scale + to; }
+  Vec3 operator()(const Vec3& p) const { return rotate(p - from) * scale + to; }
   /// Angle of the rotation, 0..180 degrees.
   double angle() const;
   Vec3 axis() const;  ///< unit axis of the rotation; arbitrary if the angle is 0
@@ -169,7 +169,7 @@ struct SANSMESH_API SimilarityMotion {
 /// Motion, and fit of the surfaces. Lengths in the unit of the fixed surface.
 struct SANSMESH_API SurfaceAlignment {
   SimilarityMotion motion;                    ///< motion of the moving surface
-  AlignStart start = AlignStart::as_it_lies;  ///< start from which the motion was found
+  AlignStart start = AlignStart::given_pose;  ///< start from which the motion was found
   int iterations = 0;                         ///< steps of the last search
   std::size_t samples = 0;                    ///< number of compared samples
   /// Share (0..1) of the samples on the fixed surface: within `reach` of it, not beyond its boundary, and with a

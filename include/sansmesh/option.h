@@ -68,7 +68,7 @@ struct OptionFacts {
   std::string_view implied = {};                   ///< value if the option is given without one; may be ""
   std::string_view needs = {};                     ///< another option that this one requires
   std::string_view excludes = {};                  ///< an option that conflicts with this one
-  std::span<const std::string_view> usual_words = {};  ///< suggested values of a text
+  std::span<const std::string_view> suggestions = {};  ///< suggested values of a text
   std::span<const std::string_view> endings = {};      ///< file suffixes with dots; none: all readable formats
   std::string_view old_name = {};                      ///< former name (warned of); for a default-on flag, its negative
 };
@@ -77,7 +77,7 @@ struct OptionFacts {
 /// option_group(), option_step() and option_steps().
 struct OptionRow : OptionFacts {
   /// Whether the option may be given without a value: its value is then `implied`.
-  bool may_stand_alone() const { return implied.data() != nullptr; }
+  bool has_implied_value() const { return implied.data() != nullptr; }
 
   OptionKind kind = OptionKind::flag;  ///< type of its value
   bool optional = false;               ///< may be unset: derived from the data

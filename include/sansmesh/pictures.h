@@ -121,7 +121,7 @@ struct SANSMESH_API LinePictureOptions {
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width includes the scale. Shadows and ground are not available, since they would alter the colours.
   RenderOptions picture = {};
-  bool any_view = true;  ///< no view was chosen: the view of a single layer is perpendicular to it
+  bool default_view = true;  ///< no view was chosen: the view of a single layer is perpendicular to it
 
   /// Option rows, those of `picture` included.
   static const OptionSchema& schema();

@@ -73,11 +73,11 @@ const ReportSchema& report_schema() {
 using UsePart = std::function<void(const void* part)>;
 
 /// Field of a report, or a value derived from its fields: description, kind, and a function that reads it. Made by
-/// reported(), reported_beside() and reported_base().
+/// reported(), reported_inline() and reported_base().
 struct ReportRow : ReportFacts {
   ReportKind kind = ReportKind::flag;  ///< kind of its value
   bool optional = false;               ///< may be absent
-  bool beside = false;                 ///< nested report whose rows are on the same level, without a name
+  bool inlined = false;                ///< nested report whose rows are on the same level, without a name
   /// Reads the value; null for reports. Choices are numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
   const ReportSchema& (*part)() = nullptr;                         ///< schema of a nested report or list of reports
@@ -138,7 +138,7 @@ concept IsList = requires {
 using schema_detail::IsOptional;
 
 template <class T>
-concept IsPlace = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
+concept IsVec3 = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
 
 inline std::vector<double> numbers_of(const Vec3& p) { return {p.x, p.y, p.z}; }
 
@@ -157,7 +157,7 @@ constexpr ReportKind kind_of() {
     return ReportKind::choice;
   else if constexpr (HasReport<T>)
     return ReportKind::report;
-  else if constexpr (IsPlace<T>)
+  else if constexpr (IsVec3<T>)
     return ReportKind::numbers;
   else if constexpr (std::same_as<T, Box3>)
     return ReportKind::table;
@@ -189,7 +189,7 @@ ReportValue value_of(const T& v) {
     return static_cast<std::int64_t>(v);
   } else if constexpr (kind == ReportKind::text) {
     return std::string(v);
-  } else if constexpr (IsPlace<T>) {
+  } else if constexpr (IsVec3<T>) {
     return numbers_of(Vec3(v));
   } else if constexpr (std::same_as<T, Box3>) {
     return v.empty() ? ReportValue() : std::vector{numbers_of(v.lower), numbers_of(v.upper)};
@@ -203,7 +203,7 @@ ReportValue value_of(const T& v) {
       using Line = std::remove_cvref_t<decltype(line)>;
       if constexpr (std::same_as<Line, Box3>)
         table.push_back({line.lower.x, line.lower.y, line.lower.z, line.upper.x, line.upper.y, line.upper.z});
-      else if constexpr (IsPlace<Line>)
+      else if constexpr (IsVec3<Line>)
         table.push_back(numbers_of(Vec3(line)));
       else
         table.emplace_back(line.begin(), line.end());
@@ -276,9 +276,9 @@ constexpr ReportRow reported(const ReportFacts& facts) {
 
 /// Includes the rows of a nested report on the same level.
 template <auto getter>
-constexpr ReportRow reported_beside() {
+constexpr ReportRow reported_inline() {
   ReportRow row = reported<getter>({});
-  row.beside = true;
+  row.inlined = true;
   return row;
 }
 
@@ -287,7 +287,7 @@ template <class Base, class Derived>
 constexpr ReportRow reported_base() {
   ReportRow row;
   row.kind = ReportKind::report;
-  row.beside = true;
+  row.inlined = true;
   row.part = &Base::schema;
   row.each = [](const void* report, const UsePart& use) {
     use(static_cast<const Base*>(static_cast<const Derived*>(report)));

@@ -52,7 +52,7 @@ class SANSMESH_API ScalarField {
   }
 
   /// Both functions through the common interface of fields. Throws ArgumentError if sizes differ.
-  void query(const Places& at, const ScalarAnswers& wanted) const;
+  void query(const QueryPoints& at, const ScalarFieldValues& wanted) const;
 
   /// Bounds the values within `radius` (>= 0) of each of x: if the interval does not contain 0, no surface is within
   /// this distance. As many entries as x; infinite ends if nothing is known. The default (for fields of samples or of
@@ -83,5 +83,21 @@ struct LevelSetPoint {
   /// Gaussian curvature k1 k2 (1 / length²).
   double gaussian_curvature() const { return k1 * k2; }
 };
+
+/// Principal curvatures at a surface point. Curvatures in 1 / length, *positive where the surface is convex* (curves
+/// away from the outward normal): +1/r on a sphere of radius r.
+struct PrincipalCurvatures {
+  float k1 = 0;          ///< the larger one
+  float k2 = 0;          ///< the smaller one
+  Vec3f direction1;      ///< direction of k1: unit, tangential, up to sign
+  Vec3f direction2;      ///< direction of k2: unit, tangential, orthogonal to direction1, up to sign
+  bool defined = false;  ///< false: too few or degenerate neighbours, no normal, or no field; then all is zero
+};
+
+/// (k1 + k2) / 2 (1 / length).
+inline float mean_curvature(const PrincipalCurvatures& c) { return 0.5f * (c.k1 + c.k2); }
+
+/// k1 k2 (1 / length²).
+inline float gaussian_curvature(const PrincipalCurvatures& c) { return c.k1 * c.k2; }
 
 }  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 
 /// Requested results of a batch of points; empty spans are not computed.
-struct MapAnswers {
+struct MappedPoints {
   std::span<Vec3> positions;      ///< T(x), the source position of x
   std::span<Jacobian> jacobians;  ///< [k] = ∂T/∂x_k; negative determinant where space is folded
   /// Positive inside a gap opened by a cut, where no source exists, negative elsewhere; near the faces of a gap it is
@@ -31,11 +31,11 @@ class SANSMESH_API SpaceMap {
   /// Evaluates the requested results at all of x. Positions are NaN where the map is undefined (outside of tetrahedra).
   /// Each result depends on its point only, not on the batch or on threads. Sizes must agree. Thread-safe. The map runs
   /// in parallel, as ScalarField does: pass all points in one call.
-  virtual void map(std::span<const Vec3> x, const MapAnswers& wanted) const = 0;
+  virtual void map(std::span<const Vec3> x, const MappedPoints& wanted) const = 0;
 
   /// Same, through the common interface of fields: values are positions, and `inside` marks where the map is defined
   /// and has no gap. Throws ArgumentError if sizes differ.
-  void query(const Places& at, const VectorAnswers& wanted) const;
+  void query(const QueryPoints& at, const VectorFieldValues& wanted) const;
 
   /// Whether there may be gaps anywhere; if not, they need not be requested.
   virtual bool has_gaps() const { return false; }

@@ -12,6 +12,7 @@
 #include "sansmesh/api.h"
 #include "sansmesh/option.h"
 #include "sansmesh/report.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -115,24 +116,6 @@ enum class CurvatureQuantity {
   k1,        ///< larger principal curvature (1 / length)
   k2         ///< smaller principal curvature (1 / length)
 };
-
-/// Principal curvatures at a surface point. Curvatures in 1 / length, *positive where the surface is convex* (bends
-/// away from the outward normal): +1/r on a sphere of radius r.
-struct PrincipalCurvatures {
-  float k1 = 0;          ///< the larger one
-  float k2 = 0;          ///< the smaller one
-  Vec3f direction1;      ///< direction of k1: unit, tangential, up to sign
-  Vec3f direction2;      ///< direction of k2: unit, tangential, orthogonal to direction1, up to sign
-  Vec3f normal;          ///< unit normal of the fitted surface; the given normal unless `refit_normal`
-  float offset = 0;      ///< signed distance to the fitted surface along the given normal; 0 unless `offset`
-  bool defined = false;  ///< false: too few or degenerate neighbours, or no normal; then all is zero
-};
-
-/// (k1 + k2) / 2 (1 / length).
-inline float mean_curvature(const PrincipalCurvatures& c) { return 0.5f * (c.k1 + c.k2); }
-
-/// k1 k2 (1 / length²).
-inline float gaussian_curvature(const PrincipalCurvatures& c) { return c.k1 * c.k2; }
 
 /// √((k1² + k2²)/2) (1 / length): amount of curvature (Koenderink & van Doorn 1992).
 SANSMESH_API float curvedness(const PrincipalCurvatures& c);

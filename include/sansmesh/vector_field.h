@@ -43,7 +43,7 @@ class SANSMESH_API VectorField {
 
   /// Sample times, increasing. Between two of them the field is smooth; evaluation is fastest if all points of one
   /// interval precede those of others. Empty if there are none.
-  virtual std::span<const double> moments() const { return {}; }
+  virtual std::span<const double> sample_times() const { return {}; }
 
   /// Evaluates the vector at position x[i] and time t[i] for every i; a velocity is in input lengths per unit of time.
   /// inside[i] is 1 where the field is defined (in its domain and in times()) and 0 elsewhere; vector and derivatives
@@ -57,7 +57,7 @@ class SANSMESH_API VectorField {
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
 
   /// Same, through the common interface of fields. Throws ArgumentError if sizes differ.
-  void query(const Places& at, const VectorAnswers& wanted) const;
+  void query(const QueryPoints& at, const VectorFieldValues& wanted) const;
 };
 
 }  // namespace sansmesh::inline v1

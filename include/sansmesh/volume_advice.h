@@ -6,19 +6,19 @@
 #include <vector>
 
 #include "sansmesh/api.h"
-#include "sansmesh/reconstruction_options.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
 /// Properties of the input.
-struct VolumeOffer {
-  bool values = true;                ///< the volume has an array; bare meshes have none
-  bool vectors = false;              ///< this or another array has two or three components: a flow
-  std::size_t steps = 1;             ///< number of time steps
-  bool lattice = false;              ///< the samples form a lattice
-  bool body = false;                 ///< the cells can represent a deformable body
-  VolumeTraits traits;               ///< traits of the array; ignored without values
-  ReconstructionChoice recommended;  ///< recommended reconstruction; ignored without values
+struct VolumeAdviceInput {
+  bool values = true;                      ///< the volume has an array; bare meshes have none
+  bool vectors = false;                    ///< this or another array has two or three components: a flow
+  std::size_t steps = 1;                   ///< number of time steps
+  bool lattice = false;                    ///< the samples form a lattice
+  bool body = false;                       ///< the cells can represent a deformable body
+  VolumeTraits traits;                     ///< traits of the array; ignored without values
+  VolumeReconstructionChoice recommended;  ///< recommended reconstruction; ignored without values
 };
 
 /// A recommended result.
@@ -31,7 +31,7 @@ struct VolumeRecommendation {
 };
 
 /// Recommendations, most requested first; never empty for volumes with values or a body.
-SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
+SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeAdviceInput& offer);
 
 /// values, grid, surface, border, …
 SANSMESH_API const char* aim_word(VolumeRecommendation::Aim aim);

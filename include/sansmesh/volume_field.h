@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 
 /// Values and gradients have components() entries per point; `inside` marks the volume.
-using VolumeAnswers = ScalarAnswers;
+using VolumeFieldValues = ScalarFieldValues;
 
 /// Field of one or several components on a volume. Thread-safe.
 class SANSMESH_API VolumeField {
@@ -34,10 +34,10 @@ class SANSMESH_API VolumeField {
   /// zero. Each result depends on its point only, not on the batch or on threads. Evaluation is fastest if neighbouring
   /// points are adjacent. Sizes must agree. Thread-safe. The field runs in parallel, as ScalarField does: pass all
   /// points in one call.
-  virtual void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const = 0;
+  virtual void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const = 0;
 
   /// Same, through the common interface of fields.
-  void query(const Places& at, const VolumeAnswers& wanted) const { evaluate(at.points, wanted); }
+  void query(const QueryPoints& at, const VolumeFieldValues& wanted) const { evaluate(at.points, wanted); }
 
   /// Distance between neighbouring samples around each of x (length, > 0): the resolution of the data.
   virtual void spacing(std::span<const Vec3> x, std::span<double> found) const = 0;

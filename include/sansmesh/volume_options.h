@@ -12,8 +12,8 @@
 #include "sansmesh/box.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/report.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 

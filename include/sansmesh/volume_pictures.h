@@ -30,10 +30,10 @@ struct SANSMESH_API VolumePicturesOptions {
   double bake_error = kBakeError;  ///< for `baked`: error as a share of the range above which bricks are split
   bool bar = true;                 ///< draws a colour bar
   std::string unit = {};           ///< unit of the array at the colour bar
-  bool any_view = true;            ///< no view was chosen: the view of a single layer is perpendicular to it
+  bool default_view = true;        ///< no view was chosen: the view of a single layer is perpendicular to it
   std::optional<int> frames = {};  ///< number of pictures of a turntable about the up axis, 2 or more; default: one
 
-  /// Option rows, with the own rows of `look`, without `any_view`.
+  /// Option rows, with the own rows of `look`, without `default_view`.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;

@@ -17,7 +17,6 @@
 #include "sansmesh/option.h"
 #include "sansmesh/points.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/vec.h"
@@ -25,6 +24,7 @@
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_options.h"
 #include "sansmesh/volume_read_options.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -37,9 +37,9 @@ struct FittedVolume;
 struct SANSMESH_API VolumeModelOptions {
   /// "NAME", "NAME:0", "NAME:x" or "NAME:magnitude"; empty: the dataset's default, a scalar if there is one.
   std::string array = {};
-  ReconstructionOptions reconstruction = {};  ///< reconstruction of all fields
-  VolumeReadOptions read = {};                ///< reading of the files
-  bool bare = false;                          ///< accepts grids without arrays
+  VolumeReconstructionOptions reconstruction = {};  ///< reconstruction of all fields
+  VolumeReadOptions read = {};                      ///< reading of the files
+  bool bare = false;                                ///< accepts grids without arrays
 
   /// Option rows without `bare`, which jobs set.
   static const OptionSchema& schema();
@@ -93,7 +93,7 @@ class SANSMESH_API VolumeModel {
   /// Statistics of the values and choices derived from them; measured at the first call.
   const VolumeTraits& traits(Progress& progress) const;
   /// The method that suits them.
-  const ReconstructionChoice& recommended(Progress& progress) const;
+  const VolumeReconstructionChoice& recommended(Progress& progress) const;
 
   /// Reconstruction of the selected array, or of another array or component, with the same method. It owns its data.
   std::shared_ptr<const VolumeField> field(Progress& progress, std::vector<Note>& notes) const;
@@ -274,9 +274,9 @@ SANSMESH_API void write_fit(const std::string& file, const FitVolumeResult& fit)
 
 /// Reconstruction stored in a fitted volume.
 struct SANSMESH_API HeldReconstruction {
-  std::string array;                   ///< name of the array
-  ReconstructionOptions options;       ///< options with values chosen from the data
-  std::vector<std::size_t> by_degree;  ///< as in FitVolumeReport
+  std::string array;                    ///< name of the array
+  VolumeReconstructionOptions options;  ///< options with values chosen from the data
+  std::vector<std::size_t> by_degree;   ///< as in FitVolumeReport
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -307,8 +307,8 @@ SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
 
 /// Advice on a volume: possible results, methods and arrays.
 struct SANSMESH_API VolumeAdvice {
-  VolumeFacts facts;  ///< facts about the grid
-  VolumeOffer offer;  ///< available results, with statistics of the array and the recommended method
+  VolumeFacts facts;        ///< facts about the grid
+  VolumeAdviceInput offer;  ///< available results, with statistics of the array and the recommended method
   std::vector<VolumeRecommendation> recommendations;  ///< best first
   std::string array;  ///< array for surfaces and pictures (the magnitude of vectors); empty for bare grids
   double value = 0;   ///< isovalue: the middle of the range; for vectors, the mean length

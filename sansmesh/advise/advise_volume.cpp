@@ -27,7 +27,7 @@ const char* aim_word(VolumeAim aim) {
   return kWords[static_cast<std::size_t>(aim)];
 }
 
-std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer) {
+std::vector<VolumeRecommendation> advise_volume(const VolumeAdviceInput& offer) {
   std::vector<VolumeRecommendation> list;
   const auto add = [&](VolumeAim aim, std::string why) { list.push_back({.aim = aim, .why = std::move(why)}); };
   const bool changes = offer.steps > 1;

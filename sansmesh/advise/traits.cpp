@@ -29,16 +29,16 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSpacingNeighbours = 16;  // the number used by surfaces
-constexpr std::size_t kDensityPlaces = 2000;
+constexpr std::size_t kDensityPoints = 2000;
 constexpr std::size_t kNormals = 30000;  // samples with estimated normals in the search for creases
-constexpr std::size_t kMostPlaces = 500;
+constexpr std::size_t kMostTraitPoints = 500;
 constexpr std::size_t kLooked = 24;    // neighbours searched for a crease
 constexpr double kCreaseAngle = 40;    // degrees
 constexpr double kSideAngle = 12;      // largest angle between normals of one side of a crease
 constexpr double kHidingNoise = 0.35;  // noise over spacing above which creases are indistinguishable
 constexpr double kBorderGap = 140;     // degrees of the tangent plane without a neighbour
 constexpr std::size_t kBorderNeighbours = 24;
-constexpr std::size_t kBorderPlaces = 2000;
+constexpr std::size_t kBorderPoints = 2000;
 /// Samples fitted to test whether the surface is open, and share of open edges above which faces are a soup.
 constexpr std::size_t kFitted = 60000;
 constexpr double kSoup = 0.25;
@@ -65,7 +65,7 @@ double square_edge(double distance, std::size_t k) {
 
 void measure_density(const PointSet& points, CloudTraits& traits) {
   std::vector<double> spacings, nearest;
-  for (const Neighbourhood& n : sample_neighbourhoods(points.positions, kDensityPlaces, 2 * kSpacingNeighbours)) {
+  for (const Neighbourhood& n : sample_neighbourhoods(points.positions, kDensityPoints, 2 * kSpacingNeighbours)) {
     if (n.distances.size() < 6) continue;
     const std::size_t k = std::min(kSpacingNeighbours, n.distances.size() - 1);
     spacings.push_back(square_edge(static_cast<double>(n.distances[k]), k));
@@ -163,7 +163,7 @@ void measure_creases(const PointSet& points, CloudTraits& traits, const LocalFra
   const int blur = choose_neighbours(spacing, noise);
   const std::size_t size = std::max<std::size_t>(5 * static_cast<std::size_t>(blur), 90);
   const std::vector<Neighbourhood> patches =
-      sample_neighbourhoods(points.positions, std::min(kMostPlaces, kNormals / size), size);
+      sample_neighbourhoods(points.positions, std::min(kMostTraitPoints, kNormals / size), size);
   std::vector<std::uint8_t> crease(patches.size()), known(patches.size());
   parallel_for(0, patches.size(), 4, [&](std::size_t p) {
     if (patches[p].offsets.size() < kLooked) return;
@@ -182,7 +182,7 @@ void measure_creases(const PointSet& points, CloudTraits& traits, const LocalFra
 void measure_borders(const PointSet& points, CloudTraits& traits) {
   const auto k = static_cast<std::size_t>(std::clamp(choose_neighbours(traits.spacing, traits.noise),
                                                      static_cast<int>(kBorderNeighbours), kMostNeighbours));
-  const std::vector<Neighbourhood> patches = sample_neighbourhoods(points.positions, kBorderPlaces, 4 * k);
+  const std::vector<Neighbourhood> patches = sample_neighbourhoods(points.positions, kBorderPoints, 4 * k);
   std::vector<std::uint8_t> border(patches.size()), known(patches.size());
   parallel_for(0, patches.size(), 16, [&](std::size_t p) {
     const std::span<const Vec3f> offsets = patches[p].offsets;

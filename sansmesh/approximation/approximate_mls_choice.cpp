@@ -61,10 +61,10 @@ void leave_one_out(const detail::GeneratingMatrix& matrix, const Region<D>& regi
   const std::size_t n = matrix.size();
   std::vector<typename SampleIndex<D>::Hit> patch;
   region.samples.within(region.samples.positions()[k], radius, patch);
-  std::vector<std::int32_t> place(n, -1);
+  std::vector<std::int32_t> slot(n, -1);
   std::size_t count = 0;
   std::erase_if(patch, [&](const auto& hit) { return hit.index == k; });
-  for (const auto& hit : patch) place[hit.index] = static_cast<std::int32_t>(count++);
+  for (const auto& hit : patch) slot[hit.index] = static_cast<std::int32_t>(count++);
 
   // Divisors without k differ only on its row.
   std::vector<double> factor(n, 1.0);
@@ -95,7 +95,7 @@ void leave_one_out(const detail::GeneratingMatrix& matrix, const Region<D>& regi
       for (std::size_t e = matrix.row[i]; e < matrix.row[i + 1]; ++e) {
         const std::size_t j = matrix.column[e];
         if (j == k) continue;
-        const double* r = place[j] >= 0 ? residual.data() + static_cast<std::size_t>(place[j]) * c : outside + j * c;
+        const double* r = slot[j] >= 0 ? residual.data() + static_cast<std::size_t>(slot[j]) * c : outside + j * c;
         const double a = matrix.value[e] * column_factor(j);
         for (std::size_t m = 0; m < c; ++m) sum[m] += a * r[m];
       }

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1::detail {
 
 /// Returns "line 3, column 14" for the last byte read; `byte` counts from 1.
-inline std::string json_place(std::string_view text, std::size_t byte) {
+inline std::string json_location(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, std::min(byte > 0 ? byte - 1 : 0, text.size()));
   const std::size_t line = 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
   const std::size_t begin = before.rfind('\n');
@@ -26,15 +26,15 @@ inline std::string json_error(std::string_view text, const nlohmann::json::parse
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is not JSON: it is blank";
   if (error.byte > text.size()) {
     const std::string_view all = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
-    return "is not JSON: it ends unexpectedly at " + json_place(text, all.size());
+    return "is not JSON: it ends unexpectedly at " + json_location(text, all.size());
   }
-  const std::string what = error.what(), place = json_place(text, error.byte);
+  const std::string what = error.what(), location = json_location(text, error.byte);
   const char c = error.byte > 0 ? text[error.byte - 1] : ' ';
   if (what.find("ill-formed UTF-8") != std::string::npos)
-    return fmt::format("is not JSON: {} is not valid UTF-8", place);
+    return fmt::format("is not JSON: {} is not valid UTF-8", location);
   if (what.find("control character") != std::string::npos)
-    return fmt::format("is not JSON: at {} a string is unterminated or contains a control character", place);
-  return fmt::format("is not JSON: unexpected '{}' at {}", printable(std::string_view(&c, 1)), place);
+    return fmt::format("is not JSON: at {} a string is unterminated or contains a control character", location);
+  return fmt::format("is not JSON: unexpected '{}' at {}", printable(std::string_view(&c, 1)), location);
 }
 
 /// `look` receives the parser's events (nlohmann's callback). Throws ArgumentError, with the location, if the text is

@@ -65,12 +65,12 @@ class WorkerLimit {
 };
 
 /// State of a thread within the library's loops.
-struct Place {
+struct LoopState {
   ThreadScope::Team* team = nullptr;  // scope of the loops; null: the current arena
   bool inside = false;                // in a loop body: already in the arena
   bool branch = false;                // in a branch of parallel_invoke
 };
-thread_local Place place;
+thread_local LoopState loop_state;
 
 }  // namespace
 
@@ -78,10 +78,10 @@ thread_local Place place;
 struct ThreadScope::Team {
   explicit Team(int count) : threads(count), arena(count) {
     if (threads > tbb::info::default_concurrency()) WorkerLimit::lift(threads);
-    outer = std::exchange(place, {this});
+    outer = std::exchange(loop_state, {this});
   }
   ~Team() {
-    place = outer;
+    loop_state = outer;
     arena.terminate();
     if (threads > tbb::info::default_concurrency()) WorkerLimit::restore(threads);
   }
@@ -90,7 +90,7 @@ struct ThreadScope::Team {
 
   int threads;
   tbb::task_arena arena;  // starts with the first loop
-  Place outer;            // state of the thread that opened the scope
+  LoopState outer;        // state of the thread that opened the scope
 };
 
 namespace {
@@ -98,13 +98,13 @@ namespace {
 /// Sets the thread's state during a body.
 class At {
  public:
-  explicit At(const Place& here) : before_(std::exchange(place, here)) {}
-  ~At() { place = before_; }
+  explicit At(const LoopState& here) : before_(std::exchange(loop_state, here)) {}
+  ~At() { loop_state = before_; }
   At(const At&) = delete;
   At& operator=(const At&) = delete;
 
  private:
-  Place before_;
+  LoopState before_;
 };
 
 /// Belongs to one loop only, so that stopping an enclosing loop does not leave it incomplete. Passes the floating-point
@@ -116,7 +116,7 @@ class Context : public tbb::task_group_context {
 
 /// Calls work(context) in the arena of the thread's scope.
 template <class Work>
-void enter(const Place& here, const Work& work) {
+void enter(const LoopState& here, const Work& work) {
   Context context;  // constructed before the thread enters the arena, which has its own settings
   const auto start = [&] { work(context); };
   if (here.team != nullptr && !here.inside)
@@ -128,7 +128,7 @@ void enter(const Place& here, const Work& work) {
 /// Same, for work that starts its oneTBB loops without a context.
 template <class Work>
 void enter_as_task(const Work& work) {
-  const Place here = place;
+  const LoopState here = loop_state;
   enter(here, [&](tbb::task_group_context& context) {
     tbb::task_group group(context);
     group.run_and_wait([&] {
@@ -138,11 +138,11 @@ void enter_as_task(const Work& work) {
   });
 }
 
-bool alone(const Place& here) { return here.team != nullptr && here.team->threads == 1; }
+bool alone(const LoopState& here) { return here.team != nullptr && here.team->threads == 1; }
 
 template <class T>
 void sort(std::vector<T>& values) {
-  if (alone(place)) return std::sort(values.begin(), values.end());
+  if (alone(loop_state)) return std::sort(values.begin(), values.end());
   enter_as_task([&] { tbb::parallel_sort(values.begin(), values.end()); });
 }
 
@@ -157,12 +157,13 @@ ThreadScope::~ThreadScope() = default;
 int thread_count() {
   const auto most = static_cast<int>(
       std::min<std::size_t>(ThreadScope::kMost, global_control::active_value(global_control::max_allowed_parallelism)));
-  return std::min(most, place.team != nullptr ? place.team->threads : tbb::this_task_arena::max_concurrency());
+  return std::min(most,
+                  loop_state.team != nullptr ? loop_state.team->threads : tbb::this_task_arena::max_concurrency());
 }
 
 void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
                              const std::function<void(std::size_t, std::size_t)>& body) {
-  const Place here = place;
+  const LoopState here = loop_state;
   if (alone(here)) {
     for (std::size_t first = begin; first < end; first += std::min(grain, end - first)) {
       check_cancelled();
@@ -184,7 +185,7 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
-  const Place here = place;
+  const LoopState here = loop_state;
   if (alone(here)) {
     check_cancelled();
     a();

@@ -26,16 +26,16 @@ constexpr int kThreads = 4;
 /// Deeper nested loops run sequentially, which bounds the number of threads.
 constexpr int kDeepest = 2;
 
-struct Place {
+struct LoopState {
   int threads = kThreads;
   int depth = 0;  // number of enclosing loops
 };
-thread_local Place place;
+thread_local LoopState loop_state;
 
 /// Calls work(c) for all c < count.
 template <class Work>
 void run(std::size_t count, const Work& work) {
-  const Place here = place;
+  const LoopState here = loop_state;
   const Progress* const progress = detail::observed_progress();
   const auto threads = here.depth < kDeepest ? std::min(count, static_cast<std::size_t>(here.threads)) : 1;
   if (threads <= 1) {
@@ -49,7 +49,7 @@ void run(std::size_t count, const Work& work) {
   std::exception_ptr error;
   std::atomic<bool> failed = false;
   const auto share = [&](std::size_t thread) {
-    const Place before = std::exchange(place, {here.threads, here.depth + 1});
+    const LoopState before = std::exchange(loop_state, {here.threads, here.depth + 1});
     try {
       for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) {
         const detail::ObserveAs caller(progress);
@@ -60,7 +60,7 @@ void run(std::size_t count, const Work& work) {
       if (!error) error = std::current_exception();
       failed.store(true, std::memory_order_relaxed);
     }
-    place = before;
+    loop_state = before;
   };
   {
     std::vector<std::jthread> others;
@@ -73,12 +73,12 @@ void run(std::size_t count, const Work& work) {
 }  // namespace
 
 struct ThreadScope::Team {
-  explicit Team(int threads) : outer(std::exchange(place, {threads, 0})) {}
-  ~Team() { place = outer; }
+  explicit Team(int threads) : outer(std::exchange(loop_state, {threads, 0})) {}
+  ~Team() { loop_state = outer; }
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
-  Place outer;
+  LoopState outer;
 };
 
 ThreadScope::ThreadScope(int threads) {
@@ -87,7 +87,7 @@ ThreadScope::ThreadScope(int threads) {
 }
 ThreadScope::~ThreadScope() = default;
 
-int thread_count() { return place.threads; }
+int thread_count() { return loop_state.threads; }
 
 void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
                              const std::function<void(std::size_t, std::size_t)>& body) {

@@ -55,8 +55,8 @@ class PlacedNode final : public SolidNode {
     inner.map = frame.map * map_;
     return child_->express(builder, inner);
   }
-  double support(const Vec3& n) const override { return placed(n, child_->support(map_.turn_back(n))); }
-  double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
+  double support(const Vec3& n) const override { return placed(n, child_->support(map_.rotate_back(n))); }
+  double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.rotate_back(n))); }
 
  private:
   static Traits traits_of(const SolidNode& child, const Similarity& map) {
@@ -203,7 +203,7 @@ Solid rotate(const Solid& a, const Vec3& axis, double degrees, const Vec3& cente
   const double c = exact(std::cos(angle)), s = exact(std::sin(angle));
   Similarity map;
   for (Vec3& e : map.columns) e = c * e + s * cross(u, e) + (1 - c) * dot(u, e) * u;
-  map.translation = center - map.turn(center);
+  map.translation = center - map.rotate(center);
   return placed(a, map);
 }
 

@@ -44,10 +44,10 @@ double disc_support(const Vec3& n, const Vec3& center, const Vec3& axis, double 
 }
 
 /// Second derivative of a distance to a point or a curve at this distance.
-double bend_at(double distance) { return distance > 0 ? 1 / distance : kUnbounded; }
+double curvature_at(double distance) { return distance > 0 ? 1 / distance : kUnbounded; }
 /// The same for a shape that narrows to a point, in a ball of radius `reach`. Blocks are never small enough close to
 /// the point, which counts as resolved there.
-double bend_at_tip(double distance, double reach) {
+double curvature_at_tip(double distance, double reach) {
   constexpr double kClose = 1.5;
   return distance > kClose * reach ? 1 / distance : kUnbounded;
 }
@@ -105,10 +105,10 @@ class PrimitiveNode final : public SolidNode {
     const double level = -frame.shift / (frame.sign * frame.map.scale);
     return builder.pieces(*this, shape_.largest_of(level), frame);
   }
-  double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const override {
-    return shape_.bend(piece, x, radius, level);
+  double curvature_bound(std::uint32_t piece, const Vec3& x, double radius, double level) const override {
+    return shape_.curvature_bound(piece, x, radius, level);
   }
-  bool bends_one_way() const override { return Shape::kOneWay; }
+  bool singly_curved() const override { return Shape::kSinglyCurved; }
   double support(const Vec3& n) const override { return shape_.support(n); }
   double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }
 
@@ -123,7 +123,7 @@ Solid solid_of(const Shape& shape) {
 
 /// Defaults of most shapes: one piece, bounded, an exact distance.
 struct SmoothShape {
-  static constexpr bool kOneWay = false;  ///< straight in one direction everywhere
+  static constexpr bool kSinglyCurved = false;  ///< straight in one direction everywhere
   std::uint32_t pieces() const { return 1; }
   /// Where the value is `level`, it is the largest of this many pieces; 0: a separate function.
   std::uint32_t largest_of(double) const { return 0; }
@@ -146,7 +146,9 @@ struct Ball : SmoothShape {
     return {r - radius, r > 0 ? d / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
-  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
+  double curvature_bound(std::uint32_t, const Vec3&, double, double level) const {
+    return curvature_at(radius + level);
+  }
   double support(const Vec3& n) const { return dot(n, center) + radius; }
   double thickness() const { return 2 * radius; }
 };
@@ -157,7 +159,7 @@ struct HalfSpace : SmoothShape {
 
   Sample at(std::uint32_t, const Vec3& x) const { return {dot(normal, x) - offset, normal}; }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
-  double bend(std::uint32_t, const Vec3&, double, double) const { return 0; }
+  double curvature_bound(std::uint32_t, const Vec3&, double, double) const { return 0; }
   // Directions result from rotations: they are equal up to rounding.
   double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
@@ -213,12 +215,12 @@ struct Block : SmoothShape {
     const double until = rounding > 0 ? std::min(0.0, q[k]) : q[k];
     return std::min(std::abs(d[k]), std::max(0.0, until - other) / std::sqrt(2.0));
   }
-  double bend(std::uint32_t piece, const Vec3& x, double reach, double level) const {
+  double curvature_bound(std::uint32_t piece, const Vec3& x, double reach, double level) const {
     if (piece < 6) return 0;
     Sample s;
     const std::uint32_t here = choose(x, s);
     if (here < 6 && alone(here, x, s.value) > reach) return 0;
-    return bend_at(rounding + level);
+    return curvature_at(rounding + level);
   }
   double support(const Vec3& n) const {
     return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
@@ -227,7 +229,7 @@ struct Block : SmoothShape {
 };
 
 struct Pipe : SmoothShape {
-  static constexpr bool kOneWay = true;
+  static constexpr bool kSinglyCurved = true;
   Vec3 center, axis;
   double radius = 0;
 
@@ -236,7 +238,9 @@ struct Pipe : SmoothShape {
     return {a.radius - radius, a.outward};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
-  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
+  double curvature_bound(std::uint32_t, const Vec3&, double, double level) const {
+    return curvature_at(radius + level);
+  }
   double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
   double thickness() const { return 2 * radius; }
   double magnitude() const { return norm(center); }
@@ -244,19 +248,19 @@ struct Pipe : SmoothShape {
 
 /// Pieces: the side, the bottom, the top.
 struct Frustum : SmoothShape {
-  static constexpr bool kOneWay = true;
+  static constexpr bool kSinglyCurved = true;
   Vec3 center, axis;
   double bottom = 0, top = 0, half_height = 0;
   double slope = 0, cosine = 1;  ///< slope of the side (radius per height), and cosine of its angle to the axis
 
   std::uint32_t pieces() const { return 3; }
   std::uint32_t largest_of(double) const { return 3; }
-  double bend(std::uint32_t piece, const Vec3& x, double reach, double level) const {
+  double curvature_bound(std::uint32_t piece, const Vec3& x, double reach, double level) const {
     if (piece > 0) return 0;
     const double along = dot(x - center, axis), narrow = along - std::copysign(reach, slope);
     const double radius = (bottom + top) / 2 + slope * (slope == 0 ? 0 : narrow) + level / cosine;
     const bool pointed = std::min(bottom, top) + level * (1 / cosine - std::abs(slope)) <= 0;
-    return cosine * (pointed ? bend_at_tip(radius, reach) : bend_at(radius));
+    return cosine * (pointed ? curvature_at_tip(radius, reach) : curvature_at(radius));
   }
   /// In front of an edge both pieces are seen at half the angle between their normals.
   double rise() const {
@@ -305,10 +309,11 @@ struct Ring : SmoothShape {
     return {r - tube, r > 0 ? d / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
-  double bend(std::uint32_t, const Vec3& x, double reach, double level) const {
+  double curvature_bound(std::uint32_t, const Vec3& x, double reach, double level) const {
     const double least = ring - tube - level, beside = AroundAxis(x - center, axis).radius - reach;
     // If the hole has closed, there are two dimples.
-    return std::max(bend_at(tube + level), least > 0 ? bend_at(std::max(least, beside)) : bend_at_tip(beside, reach));
+    return std::max(curvature_at(tube + level),
+                    least > 0 ? curvature_at(std::max(least, beside)) : curvature_at_tip(beside, reach));
   }
   double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }
   double thickness() const { return 2 * tube; }
@@ -327,7 +332,9 @@ struct Rod : SmoothShape {
     return {r - radius, r > 0 ? away / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
-  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
+  double curvature_bound(std::uint32_t, const Vec3&, double, double level) const {
+    return curvature_at(radius + level);
+  }
   double support(const Vec3& n) const { return dot(n, from) + std::max(0.0, dot(n, along)) + radius; }
   double thickness() const { return 2 * radius; }
 };

@@ -27,7 +27,7 @@ constexpr double kManyParts = 120;
 constexpr std::size_t kSlab = std::size_t{1} << 18;
 
 /// Indices of these points along a Morton curve.
-std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
+std::vector<std::uint64_t> morton_order(std::span<const Vec3> x) {
   constexpr std::uint32_t kCells = 1023;
   Box3 box;
   for (const Vec3& p : x)
@@ -54,7 +54,7 @@ void ask_neighbours(const SolidNode& node, std::span<const Vec3> x, std::span<Fi
   if (x.size() <= kBatch || node.cost() < kManyParts) return ask(x, first, second);
   for (std::size_t begin = 0; begin < x.size(); begin += kSlab) {
     const std::size_t n = std::min(kSlab, x.size() - begin);
-    const std::vector<std::uint64_t> order = order_of_places(x.subspan(begin, n));
+    const std::vector<std::uint64_t> order = morton_order(x.subspan(begin, n));
     std::vector<Vec3> at(n);
     std::vector<First> one(first.empty() ? 0 : n);
     std::vector<Second> other(second.empty() ? 0 : n);

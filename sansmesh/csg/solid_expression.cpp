@@ -51,18 +51,18 @@ void evaluate_function(const ExpressionBuilder::Function& f, const Vec3* x, std:
                        Vec3* gradients) {
   std::array<Vec3, kAtOnce> at;
   for (std::size_t i = 0; i < n; ++i) at[i] = f.frame.map.back(x[i]);
-  const std::span<const Vec3> places(at.data(), n);
+  const std::span<const Vec3> inner(at.data(), n);
   const std::span<double> found(values, n);
   const std::span<Vec3> slopes(gradients, gradients ? n : 0);
   if (f.piece == kWholeNode) {
-    f.node->evaluate(places, found, slopes, {});
+    f.node->evaluate(inner, found, slopes, {});
   } else {
-    f.node->evaluate_piece(f.piece, places, found, slopes);
+    f.node->evaluate_piece(f.piece, inner, found, slopes);
   }
   const double factor = f.frame.sign * f.frame.map.scale;
   for (std::size_t i = 0; i < n; ++i) values[i] = factor * values[i] + f.frame.shift;
   if (gradients)
-    for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.turn(gradients[i]);
+    for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.rotate(gradients[i]);
 }
 
 class SolidExpression final : public PieceExpression {
@@ -90,12 +90,12 @@ class SolidExpression final : public PieceExpression {
     }
   }
 
-  double bend(std::uint32_t piece, const Vec3& x, double radius) const override {
-    return bend_of(near(piece, x, radius), x, radius, 0, 0);
+  double curvature_bound(std::uint32_t piece, const Vec3& x, double radius) const override {
+    return curvature_bound_of(near(piece, x, radius), x, radius, 0, 0);
   }
 
-  bool bends_one_way(std::uint32_t piece) const override {
-    return all_[piece].node && all_[piece].node->bends_one_way();
+  bool singly_curved(std::uint32_t piece) const override {
+    return all_[piece].node && all_[piece].node->singly_curved();
   }
 
   std::uint32_t same_at(std::uint32_t piece, std::span<const Vec3> x) const override {
@@ -287,24 +287,25 @@ class SolidExpression final : public PieceExpression {
     return std::abs(d) < f.radius + room ? 0 : d < 0 ? -1 : 1;
   }
 
-  /// Bend where the function is between two values.
-  double bend_of(std::uint32_t function, const Vec3& x, double radius, double least, double most) const {
+  /// curvature_bound of a function, where its value is between two values.
+  double curvature_bound_of(std::uint32_t function, const Vec3& x, double radius, double least, double most) const {
     const Function& f = all_[function];
     if (f.node) {
       const double factor = f.frame.sign * f.frame.map.scale;
       const double level = ((factor > 0 ? least : most) - f.frame.shift) / factor;
-      return f.node->bend(f.piece, f.frame.map.back(x), radius / f.frame.map.scale, level) / f.frame.map.scale;
+      return f.node->curvature_bound(f.piece, f.frame.map.back(x), radius / f.frame.map.scale, level) /
+             f.frame.map.scale;
     }
     const int side = side_of(function, x, radius);
-    if (side != 0) return bend_of(side < 0 ? f.a : f.b, x, radius, least, most);
+    if (side != 0) return curvature_bound_of(side < 0 ? f.a : f.b, x, radius, least, most);
     double a = 0, b = 0;
     Vec3 ga, gb;
     ask(f.a, &x, 1, &a, &ga);
     ask(f.b, &x, 1, &b, &gb);
     // Both values differ from the blend by at most its radius, on the side of its sign.
     const double low = least - (f.sign < 0 ? f.radius : 0), high = most + (f.sign > 0 ? f.radius : 0);
-    const double of_a = bend_of(f.a, x, radius, std::max(low, a - radius), std::min(high, a + radius));
-    const double of_b = bend_of(f.b, x, radius, std::max(low, b - radius), std::min(high, b + radius));
+    const double of_a = curvature_bound_of(f.a, x, radius, std::max(low, a - radius), std::min(high, a + radius));
+    const double of_b = curvature_bound_of(f.b, x, radius, std::max(low, b - radius), std::min(high, b + radius));
     const double apart = std::min(2.0, norm(ga - gb) + (of_a + of_b) * radius);
     return std::max(of_a, of_b) + apart * apart / (2 * f.radius);
   }
@@ -328,7 +329,7 @@ ExpressionBuilder::ExpressionBuilder(double tie, const Box3& box) : tie_(tie) {
 std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Function& function) const {
   const ExpressionFrame& frame = function.frame;
   const double level = -frame.shift / (frame.sign * frame.map.scale);
-  if (function.node->bend(function.piece, frame.map.back(middle_), radius_ / frame.map.scale, level) > 0)
+  if (function.node->curvature_bound(function.piece, frame.map.back(middle_), radius_ / frame.map.scale, level) > 0)
     return std::nullopt;
   Plane plane;
   evaluate_function(function, &middle_, 1, &plane.value, &plane.gradient);

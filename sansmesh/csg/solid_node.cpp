@@ -76,7 +76,7 @@ std::optional<std::uint32_t> SolidNode::express(ExpressionBuilder&, const Expres
   return std::nullopt;
 }
 
-double SolidNode::bend(std::uint32_t, const Vec3&, double, double) const { return kUnbounded; }
+double SolidNode::curvature_bound(std::uint32_t, const Vec3&, double, double) const { return kUnbounded; }
 
 double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
   return least_value(outside_of(sign > 0 ? extents_ : hollow_extents_, x), rise_, radius);

@@ -71,10 +71,11 @@ class SolidNode {
 
   /// As minima and maxima of smooth functions (solid_expression.h): the index of its node there, or nothing.
   virtual std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const;
-  /// See PieceExpression::bend, for a piece or for the whole node (kWholeNode), where its value is at least `level`.
-  virtual double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const;
-  /// See PieceExpression::bends_one_way, for all its pieces.
-  virtual bool bends_one_way() const { return false; }
+  /// See PieceExpression::curvature_bound, for a piece or for the whole node (kWholeNode), where its value is at least
+  /// `level`.
+  virtual double curvature_bound(std::uint32_t piece, const Vec3& x, double radius, double level) const;
+  /// See PieceExpression::singly_curved, for all its pieces.
+  virtual bool singly_curved() const { return false; }
 
   virtual double support(const Vec3& n) const = 0;
   virtual double hollow_support(const Vec3& n) const = 0;

@@ -42,13 +42,13 @@ void check_reach(const std::vector<Vec3f>& positions, const Vec3& origin, const 
     throw ArgumentError("a transformation shrinks all lengths below 1e-12");
 }
 
-void turn_positions(std::vector<Vec3f>& positions, const AffineMap& map) {
+void transform_positions(std::vector<Vec3f>& positions, const AffineMap& map) {
   parallel_for(0, positions.size(), kTransformed,
-               [&](std::size_t i) { positions[i] = Vec3f(map.turn(Vec3(positions[i]))); });
+               [&](std::size_t i) { positions[i] = Vec3f(map.linear(Vec3(positions[i]))); });
 }
 
 /// Normals transform by the inverse transpose, with the sign of the determinant, so that the outside stays outside.
-void turn_normals(std::vector<Vec3f>& normals, const AffineMap& map) {
+void transform_normals(std::vector<Vec3f>& normals, const AffineMap& map) {
   const Matrix3 a{map.x, map.y, map.z};
   parallel_for(0, normals.size(), kTransformed, [&](std::size_t i) {
     if (normals[i] != Vec3f{}) normals[i] = Vec3f(normalized(a.solve_transposed(Vec3(normals[i]))));
@@ -62,7 +62,7 @@ void swap_corners(std::vector<std::array<std::uint32_t, 3>>& triangles) {
 }  // namespace
 
 AffineMap AffineMap::after(const AffineMap& first) const {
-  return {turn(first.x), turn(first.y), turn(first.z), (*this)(first.shift)};
+  return {linear(first.x), linear(first.y), linear(first.z), (*this)(first.shift)};
 }
 
 AffineMap AffineMap::inverse() const {
@@ -71,7 +71,7 @@ AffineMap AffineMap::inverse() const {
   return {a.solve({1, 0, 0}), a.solve({0, 1, 0}), a.solve({0, 0, 1}), -a.solve(shift)};
 }
 
-AffineMap AffineMap::about(const Vec3& center) const { return {x, y, z, center + shift - turn(center)}; }
+AffineMap AffineMap::about(const Vec3& center) const { return {x, y, z, center + shift - linear(center)}; }
 
 AffineMap AffineMap::rotation(const Vec3& axis, double degrees) {
   const Vec3 n = normalized(axis);
@@ -92,11 +92,11 @@ void transform(PointSet& points, const AffineMap& map) {
   check_invertible(map);
   check_reach(points.positions, points.origin, map);
   points.origin = map(points.origin);
-  if (map.only_shifts()) return;
-  turn_positions(points.positions, map);
-  turn_positions(points.scanners, map);
-  turn_normals(points.normals, map);
-  turn_normals(points.grid_normals, map);
+  if (map.is_translation()) return;
+  transform_positions(points.positions, map);
+  transform_positions(points.scanners, map);
+  transform_normals(points.normals, map);
+  transform_normals(points.grid_normals, map);
   if (map.determinant() < 0) swap_corners(points.triangles);
 }
 
@@ -104,9 +104,9 @@ void transform(TriangleMesh& mesh, const AffineMap& map) {
   check_invertible(map);
   check_reach(mesh.vertices, mesh.origin, map);
   mesh.origin = map(mesh.origin);
-  if (map.only_shifts()) return;
-  turn_positions(mesh.vertices, map);
-  turn_normals(mesh.normals, map);
+  if (map.is_translation()) return;
+  transform_positions(mesh.vertices, map);
+  transform_normals(mesh.normals, map);
   if (map.determinant() < 0) swap_corners(mesh.triangles);
 }
 

@@ -17,16 +17,16 @@ struct Similarity {
   Vec3 translation;
 
   /// Whether R is not the identity.
-  bool turns() const { return columns != Similarity{}.columns; }
+  bool rotates() const { return columns != Similarity{}.columns; }
   /// R d, for directions; exact, also for infinite components, if R is the identity.
-  Vec3 turn(const Vec3& d) const { return turns() ? columns[0] * d.x + columns[1] * d.y + columns[2] * d.z : d; }
+  Vec3 rotate(const Vec3& d) const { return rotates() ? columns[0] * d.x + columns[1] * d.y + columns[2] * d.z : d; }
   /// Rᵀ d.
-  Vec3 turn_back(const Vec3& d) const {
-    return turns() ? Vec3{dot(columns[0], d), dot(columns[1], d), dot(columns[2], d)} : d;
+  Vec3 rotate_back(const Vec3& d) const {
+    return rotates() ? Vec3{dot(columns[0], d), dot(columns[1], d), dot(columns[2], d)} : d;
   }
-  Vec3 operator()(const Vec3& x) const { return translation + scale * turn(x); }
+  Vec3 operator()(const Vec3& x) const { return translation + scale * rotate(x); }
   /// Inverse image of a position.
-  Vec3 back(const Vec3& x) const { return turn_back(x - translation) * (1 / scale); }
+  Vec3 back(const Vec3& x) const { return rotate_back(x - translation) * (1 / scale); }
 
   /// Inverse images, for evaluating the original of a transformed field.
   std::vector<Vec3> back(std::span<const Vec3> x) const;

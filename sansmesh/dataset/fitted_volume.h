@@ -16,8 +16,8 @@ struct FittedVolume {
   std::shared_ptr<const SampledVolume> volume;
   std::vector<DatasetArray> arrays;         ///< arrays to keep; each is in `volume` (which may have more)
   std::string array;                        ///< name of the reconstructed array, one of `arrays`
-  ReconstructionOptions options;            ///< options as requested; with a method
-  ReconstructionOptions chosen;             ///< options with the choices made from the data
+  VolumeReconstructionOptions options;      ///< options as requested; with a method
+  VolumeReconstructionOptions chosen;       ///< options with the choices made from the data
   ReconstructionCoefficients coefficients;  ///< empty for methods without coefficients
 
   std::string source;              ///< format of the source file: "VTK XML unstructured grid"

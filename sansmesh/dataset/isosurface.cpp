@@ -91,10 +91,10 @@ void VolumeDomain::evaluate(std::span<const Vec3> x, std::span<double> values, s
     }
     std::vector<MeasuredPoint> found(n);
     boundary_->distance.measure(x.subspan(begin, n), std::numeric_limits<double>::infinity(), found);
-    std::vector<VolumePlace> places(n);
-    boundary_->locator.locate(input, places);
+    std::vector<CellLocation> locations(n);
+    boundary_->locator.locate(input, locations);
     for (std::size_t i = 0; i < n; ++i) {
-      const double sign = places[i].inside ? -1 : 1, distance = std::abs(found[i].distance);
+      const double sign = locations[i].inside ? -1 : 1, distance = std::abs(found[i].distance);
       values[begin + i] = std::isfinite(distance) ? sign * distance : sign;
       if (!gradients.empty())
         gradients[begin + i] = distance > 0 ? (x[begin + i] - found[i].point) * (sign / distance) : Vec3{};
@@ -120,9 +120,9 @@ void VolumeDomain::locate(std::span<const Vec3> x, std::span<std::uint8_t> insid
       }
       return;
     }
-    std::vector<VolumePlace> places(end - begin);
-    boundary_->locator.locate(input, places);
-    for (std::size_t i = begin; i < end; ++i) inside[i] = places[i - begin].inside;
+    std::vector<CellLocation> locations(end - begin);
+    boundary_->locator.locate(input, locations);
+    for (std::size_t i = begin; i < end; ++i) inside[i] = locations[i - begin].inside;
   });
 }
 
@@ -137,13 +137,13 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
       domain_(*volume_, frame_),
       ranges_(*volume_, sample_value, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
-  const std::vector<Vec3> places = ranges_.places_of(value);
-  if (places.empty()) {
+  const std::vector<Vec3> points = ranges_.points_with(value);
+  if (points.empty()) {
     const ValueRange all = ranges_.of_samples();
     throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
                                 all.least, all.most));
   }
-  std::vector<double> slopes = slopes_at(*field_, places, frame_, kSlopes);
+  std::vector<double> slopes = slopes_at(*field_, points, frame_, kSlopes);
   if (!slopes.empty()) slope_ = median(slopes) * frame_.unit;
 }
 

@@ -56,9 +56,9 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, frame_));
     const ValueRange samples = ranges_.back()->of_samples();
     all = {std::min(all.least, samples.least), std::max(all.most, samples.most)};
-    const std::vector<Vec3> places = ranges_.back()->places_of(value);
-    occurs = occurs || !places.empty();
-    const std::vector<double> found = slopes_at(*step.field, places, frame_, kSlopesOfStep);
+    const std::vector<Vec3> points = ranges_.back()->points_with(value);
+    occurs = occurs || !points.empty();
+    const std::vector<double> found = slopes_at(*step.field, points, frame_, kSlopesOfStep);
     slopes.insert(slopes.end(), found.begin(), found.end());
   }
   if (!occurs)

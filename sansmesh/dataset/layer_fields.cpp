@@ -128,17 +128,17 @@ class CutField final : public ScalarField {
     field_->evaluate_in_domain(x, values, gradients, inside);
     if (inside.empty() || rim_.size() == 0) return;
     std::vector<std::uint32_t> asked, touched;
-    std::vector<Vec3> places;
+    std::vector<Vec3> points;
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (inside[i] == 0 || std::abs(values[i]) > thickness_) continue;
       const Vec3f p(x[i]);
       rim_.touching({p, p}, touched);
       if (touched.empty()) continue;
       asked.push_back(static_cast<std::uint32_t>(i));
-      places.push_back(x[i]);
+      points.push_back(x[i]);
     }
-    std::vector<std::uint8_t> within(places.size());
-    volume_.locate(places, within);
+    std::vector<std::uint8_t> within(points.size());
+    volume_.locate(points, within);
     for (std::size_t k = 0; k < asked.size(); ++k) inside[asked[k]] = within[k];
   }
 

@@ -127,9 +127,9 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
                                     surface.report().spacing / kMostAlong, kMostAlong));
   const LocalFrame& frame = surface.frame();
   const double apart = frame.from_input(distance.value_or(surface.report().spacing));
-  const BallUnion& places = surface.sample_balls();
+  const BallUnion& balls = surface.sample_balls();
   const std::span<const float> spacings = surface.sample_spacing();
-  progress.begin("project", places.centers.size());
+  progress.begin("project", balls.centers.size());
   std::vector<Vec3> feet, normals;
   std::vector<Vec3f> x;
   std::vector<float> around;
@@ -148,7 +148,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
     }
     x.clear(), around.clear();
   };
-  for (std::size_t i = 0; i < places.centers.size(); ++i) {
+  for (std::size_t i = 0; i < balls.centers.size(); ++i) {
     // Feet of the samples next to the surface and, for dense results, of points around these.
     const double ratio = 2 * static_cast<double>(spacings[i]) / apart;
     const int along = index_in<int>(std::ceil(ratio), 1, 2 * kMostAlong);
@@ -157,7 +157,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
       for (int b = 0; b < along; ++b)
         for (int c = 0; c < along; ++c) {
           const Vec3f at{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)};
-          x.push_back(places.centers[i] + (at + Vec3f{first, first, first}) * step);
+          x.push_back(balls.centers[i] + (at + Vec3f{first, first, first}) * step);
           around.push_back(spacings[i]);
         }
     if (x.size() >= kFeetAtOnce) flush();

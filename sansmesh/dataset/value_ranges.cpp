@@ -239,9 +239,9 @@ ValueRange ValueRanges::of_samples() const {
   return {all.least + beyond, all.most - beyond};
 }
 
-std::vector<Vec3> ValueRanges::places_of(double value) const {
-  std::vector<Vec3> places;
-  if (levels_.empty()) return places;
+std::vector<Vec3> ValueRanges::points_with(double value) const {
+  std::vector<Vec3> points;
+  if (levels_.empty()) return points;
   value *= scale_;
   for (const Node& node : levels_[0])
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
@@ -250,9 +250,9 @@ std::vector<Vec3> ValueRanges::places_of(double value) const {
       for (std::size_t k = 0; k < 3; ++k)
         center[k] =
             0.5 * (static_cast<double>(node.boxes.lower[k][lane]) + static_cast<double>(node.boxes.upper[k][lane]));
-      places.push_back(center);
+      points.push_back(center);
     }
-  return places;
+  return points;
 }
 
 }  // namespace sansmesh::inline v1

@@ -31,7 +31,7 @@ class ValueRanges {
   /// Whether `value` is in the range of a group of cells that the ball meets; faster than around().
   bool among(const Vec3& x, double radius, double value) const;
   /// Centres of the groups of cells with `value` in their range.
-  std::vector<Vec3> places_of(double value) const;
+  std::vector<Vec3> points_with(double value) const;
 
  private:
   struct Node {

@@ -60,9 +60,9 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
 }
 
 /// Whether a fitted volume was made with the given options. Absent options match any value.
-bool is_held(const FittedVolume& fitted, const std::string& array, const ReconstructionOptions& asked) {
+bool is_held(const FittedVolume& fitted, const std::string& array, const VolumeReconstructionOptions& asked) {
   if (array != fitted.array || !asked.method) return array == fitted.array;
-  const ReconstructionOptions& held = fitted.chosen;
+  const VolumeReconstructionOptions& held = fitted.chosen;
   const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
          same(asked.epsilon, held.epsilon) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
@@ -156,8 +156,9 @@ std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progr
   return volume;
 }
 
-std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice, const ReconstructionOptions& options,
-                                                        Progress& progress, VolumeReconstructionReport* report) {
+std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice,
+                                                        const VolumeReconstructionOptions& options, Progress& progress,
+                                                        VolumeReconstructionReport* report) {
   VolumeReconstructionReport own;
   ReconstructionCoefficients kept;
   std::shared_ptr<const VolumeField> field = reconstruct(choice.array, options, progress, report ? *report : own, kept);
@@ -170,8 +171,9 @@ std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choic
   return {owned, &owned->component};
 }
 
-std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array, const ReconstructionOptions& options,
-                                                        Progress& progress, VolumeReconstructionReport& report,
+std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array,
+                                                        const VolumeReconstructionOptions& options, Progress& progress,
+                                                        VolumeReconstructionReport& report,
                                                         ReconstructionCoefficients& kept) {
   options.validate();
   const auto samples = volume(array, progress);
@@ -183,7 +185,7 @@ std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array
                             &kept);
 }
 
-FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOptions& options, bool all,
+FittedVolume VolumeDataset::fit(const std::string& array, const VolumeReconstructionOptions& options, bool all,
                                 Progress& progress, VolumeReconstructionReport* report) {
   const DatasetArray chosen = this->array(array);
   VolumeReconstructionReport own;

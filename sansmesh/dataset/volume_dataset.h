@@ -45,12 +45,12 @@ class VolumeDataset {
   /// that of a fitted volume's reconstruction, otherwise choose_reconstruction selects one. If the request matches the
   /// fitted reconstruction (the same method and array, and equal values of all options set), there is no fit, and the
   /// field is bit-identical.
-  std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
+  std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const VolumeReconstructionOptions& options,
                                            Progress& progress, VolumeReconstructionReport* report = nullptr);
 
   /// Reconstructs an array with all components to be saved: keeps this array alone, or all arrays of the same samples.
   /// Throws as reconstruct_volume.
-  FittedVolume fit(const std::string& array, const ReconstructionOptions& options, bool all, Progress& progress,
+  FittedVolume fit(const std::string& array, const VolumeReconstructionOptions& options, bool all, Progress& progress,
                    VolumeReconstructionReport* report = nullptr);
   /// The fitted volume this was made from, or null.
   const FittedVolume* fitted() const { return fitted_ ? &*fitted_ : nullptr; }
@@ -62,7 +62,7 @@ class VolumeDataset {
 
  private:
   /// The reconstruction of all components; `kept` supplies or receives its coefficients.
-  std::unique_ptr<VolumeField> reconstruct(const std::string& array, const ReconstructionOptions& options,
+  std::unique_ptr<VolumeField> reconstruct(const std::string& array, const VolumeReconstructionOptions& options,
                                            Progress& progress, VolumeReconstructionReport& report,
                                            ReconstructionCoefficients& kept);
 

@@ -55,7 +55,7 @@ Json json_if(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-Json json_of(const ReconstructionOptions& o) {
+Json json_of(const VolumeReconstructionOptions& o) {
   return {{"method", *o.method},
           {"degree", json_if(o.degree)},
           {"iterations", json_if(o.iterations)},
@@ -68,7 +68,7 @@ Json json_of(const ReconstructionOptions& o) {
           {"c", o.c}};
 }
 
-ReconstructionOptions reconstruction_of(const ReadJson& json) {
+VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
   const auto whole = [&](const char* name) -> std::optional<int> {
     const ReadJson& j = json.at(name);
     return j.is_null() ? std::nullopt : std::optional(static_cast<int>(std::min<std::size_t>(count_of(j), 1 << 20)));
@@ -77,7 +77,7 @@ ReconstructionOptions reconstruction_of(const ReadJson& json) {
     const ReadJson& j = json.at(name);
     return j.is_null() ? std::nullopt : std::optional(real_of(j));
   };
-  ReconstructionOptions o;
+  VolumeReconstructionOptions o;
   o.method = std::string(volume_method(json.at("method").get<std::string>()).name);
   o.degree = whole("degree");
   o.iterations = whole("iterations");

@@ -71,7 +71,7 @@ class FlowInTime final : public VectorField {
 
   Box3 bounds() const override { return bounds_; }
   TimeRange times() const override { return {times_.front(), times_.back()}; }
-  std::span<const double> moments() const override { return times_; }
+  std::span<const double> sample_times() const override { return times_; }
 
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
@@ -97,7 +97,7 @@ class FlowInTime final : public VectorField {
       while (last < order.size() && interval[order[last]] == interval[order[first]]) ++last;
       const std::span which(order.data() + first, last - first);
       part.gather(x, t, which, !jacobian.empty());
-      blend(interval[which[0]], part.x, part.t, part.answers());
+      blend(interval[which[0]], part.x, part.t, part.results());
       for (std::size_t k = 0; k < which.size(); ++k) {
         vectors[which[k]] = part.vectors[k], inside[which[k]] = part.inside[k];
         if (!jacobian.empty()) jacobian[which[k]] = part.jacobian[k];
@@ -109,13 +109,13 @@ class FlowInTime final : public VectorField {
   using Loaded = std::shared_ptr<const VectorField>;
   static constexpr std::size_t kNever = ~std::size_t{0};
 
-  struct Answers {
+  struct Results {
     std::span<Vec3> vectors;
     std::span<std::uint8_t> inside;
     std::span<Jacobian> jacobian;  // empty: not requested
   };
 
-  /// Points and times of a group from a batch, with storage for the answers.
+  /// Points and times of a group from a batch, with storage for the results.
   struct Gathered {
     std::vector<Vec3> x;
     std::vector<double> t;
@@ -129,7 +129,7 @@ class FlowInTime final : public VectorField {
       for (const std::size_t i : which) x.push_back(from[i]), t.push_back(moments[i]);
       vectors.resize(which.size()), inside.resize(which.size()), jacobian.resize(derivatives ? which.size() : 0);
     }
-    Answers answers() { return {vectors, inside, jacobian}; }
+    Results results() { return {vectors, inside, jacobian}; }
   };
 
   /// Weights of the steps first, first + 1, … at a time in an interval.
@@ -170,8 +170,8 @@ class FlowInTime final : public VectorField {
     return s;
   }
 
-  /// The answers at times in one interval.
-  void blend(std::size_t interval, std::span<const Vec3> x, std::span<const double> t, const Answers& into) const {
+  /// The results at times in one interval.
+  void blend(std::size_t interval, std::span<const Vec3> x, std::span<const double> t, const Results& into) const {
     const std::size_t n = x.size();
     const bool derivatives = !into.jacobian.empty();
     std::fill(into.vectors.begin(), into.vectors.end(), Vec3{});

@@ -91,10 +91,10 @@ struct VolumeSurface::State {
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
   std::optional<LayerProjection> projection;
-  SurfaceFeet feet;                         ///< feet of `places`
+  SurfaceFeet feet;                         ///< feet of `sample_balls`
   std::unique_ptr<const ScalarField> side;  ///< sides of points outside the balls
-  BallUnion places;                         ///< samples next to the surface, with a ball around each
-  std::vector<float> place_spacing;         ///< spacing at `places`
+  BallUnion sample_balls;                   ///< samples next to the surface, with a ball around each
+  std::vector<float> sample_spacing;        ///< spacing at `sample_balls`
   std::unique_ptr<const VolumeDomain> domain;
   std::unique_ptr<const ScalarField> field;
   BallUnion balls;
@@ -129,9 +129,9 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   progress.begin("prepare projection");
   const LayerSamples layer = layer_of(chosen, samples, slopes, frame);
   for (std::size_t i = 0; i < layer.reach.size(); ++i)
-    if (layer.reach[i] > 0) state->place_spacing.push_back(layer.spacing[i]);
+    if (layer.reach[i] > 0) state->sample_spacing.push_back(layer.spacing[i]);
   r.samples = chosen.size();
-  std::vector<float> sorted = state->place_spacing;
+  std::vector<float> sorted = state->sample_spacing;
   r.spacing = frame.to_input(static_cast<double>(median(sorted)));
   const double moved = r.spacing > 0 ? r.noise_distance / r.spacing : 0;
   r.smoothing = options.smoothing.value_or(std::min(kWidth + kWiden * moved, kMostWidth));
@@ -142,9 +142,9 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   projection.alternating = options.alternating, projection.line_search = options.line_search;
   projection.separate_sheets = options.separate_sheets;
   state->projection.emplace(layer, projection);
-  state->places = state->projection->balls();
+  state->sample_balls = state->projection->balls();
   progress.begin("project");
-  state->feet = find_feet(*state->projection, state->places.centers, state->place_spacing);
+  state->feet = find_feet(*state->projection, state->sample_balls.centers, state->sample_spacing);
   const SurfaceFeet& feet = state->feet;
   progress.check();
   if (feet.feet.empty()) throw DataError("has no such surface");
@@ -156,7 +156,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   std::unique_ptr<const ScalarField> field;
   if (options.exact_projection) {
     field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
-    state->balls = state->places, state->spacing = state->place_spacing;
+    state->balls = state->sample_balls, state->spacing = state->sample_spacing;
   } else {
     auto of_feet = std::make_unique<const FootField>(feet, state->side.get());
     state->balls = of_feet->balls(), state->spacing = feet.spacing;
@@ -179,8 +179,8 @@ const Projection& VolumeSurface::projection() const { return *state_->projection
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
 std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
-const BallUnion& VolumeSurface::sample_balls() const { return state_->places; }
-std::span<const float> VolumeSurface::sample_spacing() const { return state_->place_spacing; }
+const BallUnion& VolumeSurface::sample_balls() const { return state_->sample_balls; }
+std::span<const float> VolumeSurface::sample_spacing() const { return state_->sample_spacing; }
 const VolumeDomain& VolumeSurface::domain() const { return *state_->domain; }
 PointSet VolumeSurface::feet() const {
   std::vector<Vec3> positions;

@@ -99,7 +99,7 @@ std::size_t CutMap::cell_of(const Vec3& x) const {
   return cell;
 }
 
-void CutMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void CutMap::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   std::vector<std::uint8_t> exact(x.size());
   parallel_for(0, x.size(), kCutMapGrain,
                [&](std::size_t i) { exact[i] = lattice_.lattice().box.contains(x[i]) && beside_cut_[cell_of(x[i])]; });

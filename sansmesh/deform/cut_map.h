@@ -24,7 +24,7 @@ class CutMap final : public SpaceMap {
   CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_ptr<const Occluder>> cuts, const Box3& box,
          const std::array<std::size_t, 3>& sizes, Progress& progress);
 
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override;
   bool has_gaps() const override { return lattice_.has_gaps(); }
   /// Bounds over the cells that a box touches and their neighbours; rigorous only away from cuts.
   void images(std::span<const Box3> boxes, std::span<Box3> found) const override;

@@ -72,11 +72,11 @@ double default_reach(const std::vector<DeformHandle>& handles) {
 }
 
 /// Points held by the handles, before and after: for each segment as many as determine polynomials of the degree.
-struct HeldPlaces {
+struct HeldPoints {
   std::vector<Vec3> p, q;
 };
-HeldPlaces held_places(const std::vector<DeformHandle>& handles, int degree) {
-  HeldPlaces held;
+HeldPoints held_points(const std::vector<DeformHandle>& handles, int degree) {
+  HeldPoints held;
   for (const DeformHandle& h : handles) {
     const int steps = h.segment ? degree : 0;
     for (int k = 0; k <= steps; ++k) {
@@ -156,7 +156,7 @@ bool determined(const std::vector<Vec3>& positions, const PolynomialTerms& terms
   return true;
 }
 
-void check_affine(const HeldPlaces& held, std::size_t handles) {
+void check_affine(const HeldPoints& held, std::size_t handles) {
   const std::string remedy = ": add handles off it, or use the kind `rigid`, which takes any";
   if (held.q.size() < 4)
     throw ArgumentError("the kind `affine` needs at least 4 handles that are not coplanar, not " +
@@ -169,7 +169,7 @@ void check_affine(const HeldPlaces& held, std::size_t handles) {
                         remedy);
 }
 
-PolynomialTerms nonlinear_terms(const HeldPlaces& held, std::size_t handles, int degree) {
+PolynomialTerms nonlinear_terms(const HeldPoints& held, std::size_t handles, int degree) {
   const std::size_t needed = degree == 2 ? 9 : 19;
   const std::string kind = "the kind `nonlinear` of `degree` " + std::to_string(degree);
   const std::string other = degree == 3 ? "`degree` 2 (at least 9)" : "the kind `rigid`, which takes any number";
@@ -208,7 +208,7 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
   for (std::size_t i = 0; i < handles.size(); ++i) setup.handles[i].reach = handles[i].reach.value_or(reach);
 
   const bool polynomial = options.kind == DeformationKind::nonlinear;
-  const HeldPlaces held = held_places(setup.handles, polynomial ? options.degree : 1);
+  const HeldPoints held = held_points(setup.handles, polynomial ? options.degree : 1);
   if (const double extent = extent_of(held.q); extent > 0) setup.extent = extent;
   if (!std::isfinite(setup.extent) || !std::isfinite(extent_of(held.p)))
     throw ArgumentError("handles are too far apart for double precision");

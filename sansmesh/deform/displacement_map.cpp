@@ -95,7 +95,7 @@ bool DisplacementMap::corners_at(const Vec3& x, Corners& c) const {
   return true;
 }
 
-void DisplacementMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void DisplacementMap::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   parallel_ranges(0, x.size(), kLookups, [&](std::size_t first, std::size_t last) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     Corners c;

@@ -23,7 +23,7 @@ namespace sansmesh::inline v1 {
 class DisplacementMap final : public SpaceMap {
  public:
   /// Point (i, j, k) has index i + nx (j + ny k); the first and last points of each axis are on the box. `gaps` is
-  /// empty if there are none, else as in MapAnswers, but finite. Displacements are NaN where the map is undefined.
+  /// empty if there are none, else as in MappedPoints, but finite. Displacements are NaN where the map is undefined.
   /// Throws ArgumentError unless the box has a size along each axis, the lattice has at least 2 points per axis, and
   /// the array sizes agree.
   DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes, SharedArray<Vec3f> displacements,
@@ -33,7 +33,7 @@ class DisplacementMap final : public SpaceMap {
   const SharedArray<Vec3f>& displacements() const { return displacements_; }
   const SharedArray<float>& gaps() const { return gaps_; }
 
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override;
   bool has_gaps() const override { return !gaps_.empty(); }
   /// Bounds from the extreme displacements of the cells that a box touches; NaN displacements are ignored.
   void images(std::span<const Box3> boxes, std::span<Box3> found) const override;

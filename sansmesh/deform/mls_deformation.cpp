@@ -22,13 +22,13 @@ struct MlsDeformation::State {
   std::vector<std::shared_ptr<const Occluder>> cuts;
   std::optional<detail::PointMap> points;  ///< vectorised positions, if all handles are points
 
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const;
   /// Detours from handle h to x[i] at [h x.size() + i]; empty without cuts.
   std::vector<Detour> ways_around(std::span<const Vec3> x) const;
   void map_one_by_one(std::span<const Vec3> x, std::span<const Detour> ways, std::span<Vec3> positions,
                       std::span<Jacobian> jacobians) const;
   void map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const Jacobian> jacobians,
-                const MapAnswers& wanted) const;
+                const MappedPoints& wanted) const;
 };
 
 std::vector<Detour> MlsDeformation::State::ways_around(std::span<const Vec3> x) const {
@@ -41,7 +41,7 @@ std::vector<Detour> MlsDeformation::State::ways_around(std::span<const Vec3> x) 
   return ways;
 }
 
-void MlsDeformation::State::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void MlsDeformation::State::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   const bool gaps = !wanted.gaps.empty() || !wanted.gap_gradients.empty();
   std::vector<Vec3> own_positions(wanted.positions.empty() && gaps ? x.size() : 0);
   const std::span<Vec3> positions = wanted.positions.empty() ? std::span<Vec3>(own_positions) : wanted.positions;
@@ -80,7 +80,7 @@ void MlsDeformation::State::map_one_by_one(std::span<const Vec3> x, std::span<co
 }
 
 void MlsDeformation::State::map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources,
-                                     std::span<const Jacobian> jacobians, const MapAnswers& wanted) const {
+                                     std::span<const Jacobian> jacobians, const MappedPoints& wanted) const {
   std::vector<Gap> deepest(x.size(), Gap{-std::numeric_limits<double>::infinity(), {}}), found(x.size());
   for (const auto& cut : cuts) {
     cut->gaps(x, sources, jacobians, found);
@@ -124,7 +124,7 @@ MlsDeformation::~MlsDeformation() = default;
 
 bool MlsDeformation::has_gaps() const { return !state_->cuts.empty(); }
 
-void MlsDeformation::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void MlsDeformation::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   const auto part = [](auto answers, std::size_t first, std::size_t n) {
     return answers.empty() ? answers : answers.subspan(first, n);
   };

@@ -24,7 +24,7 @@ class MlsDeformation final : public SpaceMap {
                  std::vector<std::shared_ptr<const Occluder>> cuts = {});
   ~MlsDeformation() override;
 
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override;
   bool has_gaps() const override;
 
  private:

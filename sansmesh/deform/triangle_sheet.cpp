@@ -11,8 +11,8 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
-constexpr double kSamePlace = 1e-12;  // fraction of a segment: closer crossings are one
-constexpr double kFlatEdge = 1e-9;    // sine of the angle between neighbours above which an edge is bent
+constexpr double kSameCrossing = 1e-12;  // fraction of a segment: closer crossings are one
+constexpr double kFlatEdge = 1e-9;       // sine of the angle between neighbours above which an edge is bent
 
 /// Slab test of a segment and a box.
 bool segment_meets(const Box3& box, const Vec3& a, const Vec3& b, double margin = 0) {
@@ -229,7 +229,7 @@ void TriangleSheet::crossings(const Vec3& a, const Vec3& b, std::vector<Crossing
     return c.share != d.share ? c.share < d.share : c.triangle < d.triangle;
   });
   found.erase(std::unique(from, found.end(),
-                          [](const Crossing& c, const Crossing& d) { return d.share - c.share < kSamePlace; }),
+                          [](const Crossing& c, const Crossing& d) { return d.share - c.share < kSameCrossing; }),
               found.end());
 }
 

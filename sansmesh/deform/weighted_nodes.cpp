@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr std::size_t kDetourPlaces = 17;  // points along a segment at which detours are computed
+constexpr std::size_t kDetourPoints = 17;  // points along a segment at which detours are computed
 /// Gauss–Legendre rule of 12 nodes on −1..1: its positive half.
 constexpr std::size_t kHalfRule = 6;
 constexpr std::array<double, kHalfRule> kRuleAt{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
@@ -45,9 +45,9 @@ NearSegment near_line(const DeformHandle& h, const Vec3& x) {
 }
 
 /// Linear interpolation of detours at equidistant points of a segment.
-Detour mixed(const std::array<Detour, kDetourPlaces>& detours, double t) {
-  const double at = t * (kDetourPlaces - 1);
-  const std::size_t k = std::min(static_cast<std::size_t>(at), kDetourPlaces - 2);
+Detour mixed(const std::array<Detour, kDetourPoints>& detours, double t) {
+  const double at = t * (kDetourPoints - 1);
+  const std::size_t k = std::min(static_cast<std::size_t>(at), kDetourPoints - 2);
   const double f = at - static_cast<double>(k);
   const Detour &a = detours[k], &b = detours[k + 1];
   return {a.extra * (1 - f) + b.extra * f, a.gradient * (1 - f) + b.gradient * f};
@@ -108,10 +108,10 @@ struct NodeMaker {
         std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel), 1, kMostPanels);
     const double half = (last - first) / 2 / static_cast<double>(panels);
     // Detours from a few points, the same for all x, because cuts may cache data per point.
-    std::array<Detour, kDetourPlaces> detours;
+    std::array<Detour, kDetourPoints> detours;
     if (!cuts.empty())
-      for (std::size_t k = 0; k < kDetourPlaces; ++k)
-        add_detours(cuts, h.q + h.along_q * (static_cast<double>(k) / (kDetourPlaces - 1)), {&x, 1}, {&detours[k], 1},
+      for (std::size_t k = 0; k < kDetourPoints; ++k)
+        add_detours(cuts, h.q + h.along_q * (static_cast<double>(k) / (kDetourPoints - 1)), {&x, 1}, {&detours[k], 1},
                     scratch);
     for (std::size_t panel = 0; panel < panels; ++panel) {
       const double middle = first + half * static_cast<double>(2 * panel + 1);

@@ -80,8 +80,8 @@ bool CorotationalModel::forces(std::span<const Vec3> x, std::span<const Vec3> v,
       [](bool a, bool b) { return a && b; });
   parallel_for(0, x.size(), kVertexRange, [&](std::size_t i) {
     Vec3 sum;
-    for (std::size_t c = corners_.begin[i]; c < corners_.begin[i + 1]; ++c) {
-      const std::uint32_t corner = corners_.items[c];
+    for (std::size_t c = corners_.first[i]; c < corners_.first[i + 1]; ++c) {
+      const std::uint32_t corner = corners_.entries[c];
       const auto& pull = pulls_[corner / 4];
       sum += corner % 4 ? pull[corner % 4 - 1] : -(pull[0] + pull[1] + pull[2]);
     }
@@ -93,8 +93,8 @@ bool CorotationalModel::forces(std::span<const Vec3> x, std::span<const Vec3> v,
 /// −K_ij of an edge, by rows: the sum of −V (λ g_i g_jᵀ + μ (g_i · g_j I + g_j g_iᵀ)) over the surrounding tetrahedra.
 CorotationalModel::Block CorotationalModel::edge_block(std::size_t edge) const {
   Block sum;
-  for (std::size_t k = around_.begin[edge]; k < around_.begin[edge + 1]; ++k) {
-    const std::uint32_t item = around_.items[k];
+  for (std::size_t k = around_.first[edge]; k < around_.first[edge + 1]; ++k) {
+    const std::uint32_t item = around_.entries[k];
     const std::size_t t = item / 16, a = item / 4 % 4, b = item % 4;
     const auto& g = carried_[t];
     const Vec3 none = -(g[0] + g[1] + g[2]);

@@ -40,7 +40,7 @@ class CorotationalModel final : public ElasticModel {
   std::vector<std::array<Vec3, 3>> carried_;  ///< gradients in the rotated frame
   std::vector<std::array<Vec3, 3>> pulls_;    ///< forces on corners 1 to 3; the force on corner 0 is minus their sum
   VertexGraph graph_;
-  ItemLists corners_, around_;
+  Adjacency32 corners_, around_;
   std::vector<Block> blocks_;  ///< per edge: factor of p_i − p_j in row i, transposed in row j
   double mu_, lambda_, damping_;
 };

@@ -183,7 +183,7 @@ TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<
 
 TetMap::~TetMap() = default;
 
-void TetMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void TetMap::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr Vec3 kNone{kNaN, kNaN, kNaN};
   parallel_for(0, x.size(), kMapRange, [&](std::size_t i) {

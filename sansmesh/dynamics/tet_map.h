@@ -21,7 +21,7 @@ class TetMap final : public SpaceMap {
 
   /// NaN outside all tetrahedra, Jacobians too. Where tetrahedra overlap, the first one counts. The determinant of the
   /// Jacobian is negative in inverted tetrahedra.
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override;
 
   /// Images of the boxes' contents; empty where there is no tetrahedron.
   void images(std::span<const Box3> boxes, std::span<Box3> found) const override;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -21,16 +22,11 @@ struct VertexGraph {
 
 VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices);
 
-/// Lists of indices, one list per entity: list i is items[begin[i]] .. items[begin[i + 1] − 1].
-struct ItemLists {
-  std::vector<std::uint32_t> begin, items;
-};
-
 /// For each vertex its corners: 4 tetrahedron + corner, ascending.
-ItemLists corners_of_vertices(std::span<const Tet> tets, std::size_t vertices);
+Adjacency32 corners_of_vertices(std::span<const Tet> tets, std::size_t vertices);
 
 /// For each edge of the graph the surrounding tetrahedra: 16 tetrahedron + 4 corner of its first end + corner of its
 /// second, ascending.
-ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph);
+Adjacency32 tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph);
 
 }  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kBendBatch = 4096;
+constexpr std::size_t kCurvatureBatch = 4096;
 /// Points per batch; each needs seven evaluations.
 constexpr std::size_t kLevelSetBatch = 1 << 17;
 
@@ -33,21 +33,21 @@ void principal_curvatures(const Vec3 (&hessian)[3], LevelSetPoint& p) {
 
 }  // namespace
 
-SurfaceCurvature principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis) {
+PrincipalCurvatures principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis) {
   const float mean = 0.5f * (xx + yy), half = 0.5f * (xx - yy), spread = std::hypot(half, xy);
   const float angle = 0.5f * std::atan2(xy, half), c = std::cos(angle), s = std::sin(angle);
   return {mean + spread, mean - spread, c * x_axis + s * y_axis, c * y_axis - s * x_axis, true};
 }
 
-FieldCurvature::FieldCurvature(const ScalarField& field, double step) : field_(field), step_(step) {
+LevelSetCurvature::LevelSetCurvature(const ScalarField& field, double step) : field_(field), step_(step) {
   if (!(step > 0) || !std::isfinite(step)) throw ArgumentError("curvature: the step must be a positive length");
 }
 
-void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                              std::span<SurfaceCurvature> curvatures) const {
+void LevelSetCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                                 std::span<PrincipalCurvatures> curvatures) const {
   if (x.size() != normals.size() || x.size() != curvatures.size())
-    throw ArgumentError("FieldCurvature::evaluate: as many normals and results as points are needed");
-  parallel_ranges(0, x.size(), kBendBatch, [&](std::size_t first, std::size_t last) {
+    throw ArgumentError("LevelSetCurvature::evaluate: as many normals and results as points are needed");
+  parallel_ranges(0, x.size(), kCurvatureBatch, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;
     std::vector<Vec3> at(4 * n), gradients(4 * n);
     std::vector<double> values(4 * n);

@@ -9,36 +9,28 @@
 
 namespace sansmesh::inline v1 {
 
-/// Principal curvatures at a point: 1 / length, *positive where the surface is convex* (curves away from the normal).
-struct SurfaceCurvature {
-  float k1 = 0, k2 = 0;          ///< k1 >= k2
-  Vec3f direction1, direction2;  ///< unit tangent directions of k1 and k2, each up to sign
-  bool defined = false;          ///< false if unknown; then all members are zero
-  float mean() const { return 0.5f * (k1 + k2); }
-};
-
 /// Eigenvalues and eigenvectors of the symmetric form [[xx, xy], [xy, yy]] on the tangent plane with these axes.
-SurfaceCurvature principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis);
+PrincipalCurvatures principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis);
 
-/// Distributes large batches over threads, as ScalarField does.
+/// Principal curvatures at surface points. Distributes large batches over threads, as ScalarField does.
 class CurvatureField {
  public:
   virtual ~CurvatureField() = default;
   /// Computes curvatures at points on or near the surface, seen from the side of the given unit normals: reversing a
   /// normal exchanges convex and concave. Sizes must agree. Thread-safe.
   virtual void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                        std::span<SurfaceCurvature> curvatures) const = 0;
+                        std::span<PrincipalCurvatures> curvatures) const = 0;
 };
 
 /// Curvatures of a field's level sets from differences of the gradient over ±step in the tangent plane, that is, at
 /// the scale of the step. Works for all fields with smooth gradients at that scale, including projections.
-class FieldCurvature final : public CurvatureField {
+class LevelSetCurvature final : public CurvatureField {
  public:
   /// The field must outlive this object. Throws ArgumentError unless the step (length) is positive.
-  FieldCurvature(const ScalarField& field, double step);
+  LevelSetCurvature(const ScalarField& field, double step);
   /// Undefined where the field is undefined at the point or a step beside it.
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                std::span<SurfaceCurvature> curvatures) const override;
+                std::span<PrincipalCurvatures> curvatures) const override;
 
  private:
   const ScalarField& field_;

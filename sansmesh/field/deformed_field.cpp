@@ -50,7 +50,7 @@ Box3 box_after(const ScalarField& source, const SpaceMap& map, const std::option
 
 }  // namespace
 
-struct DeformedField::Places {
+struct DeformedField::Sources {
   std::vector<Vec3> source;
   std::vector<Jacobian> jacobians;
   std::vector<double> gaps;
@@ -75,8 +75,8 @@ DeformedField::DeformedField(std::shared_ptr<const ScalarField> source, std::sha
       stretch_(*map_, near && !is_finite(bounds_.lower) ? *near : finite_part(bounds_)),
       nothing_(finite_part(bounds_).empty() ? 1 : finite_part(bounds_).diagonal()) {}
 
-DeformedField::Places DeformedField::places(std::span<const Vec3> x, bool jacobians) const {
-  Places p;
+DeformedField::Sources DeformedField::sources(std::span<const Vec3> x, bool jacobians) const {
+  Sources p;
   p.source.resize(x.size()), p.defined.resize(x.size());
   if (jacobians) p.jacobians.resize(x.size());
   if (gaps_) p.gaps.resize(x.size());
@@ -89,7 +89,7 @@ DeformedField::Places DeformedField::places(std::span<const Vec3> x, bool jacobi
   return p;
 }
 
-void DeformedField::finish(const Places& p, std::span<const Vec3> x, std::span<double> values,
+void DeformedField::finish(const Sources& p, std::span<const Vec3> x, std::span<double> values,
                            std::span<Vec3> gradients, bool with_gaps) const {
   parallel_for(0, x.size(), kFieldGrain, [&](std::size_t i) {
     if (!p.defined[i]) {
@@ -114,21 +114,21 @@ void DeformedField::finish(const Places& p, std::span<const Vec3> x, std::span<d
 }
 
 void DeformedField::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  const Places p = places(x, !gradients.empty());
+  const Sources p = sources(x, !gradients.empty());
   source_->evaluate(p.source, values, gradients);
   finish(p, x, values, gradients, true);
 }
 
 void DeformedField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                        std::span<std::uint8_t> inside) const {
-  const Places p = places(x, !gradients.empty());
+  const Sources p = sources(x, !gradients.empty());
   source_->evaluate_in_domain(p.source, values, gradients, inside);
   finish(p, x, values, gradients, true);
   for (std::size_t i = 0; i < x.size(); ++i) inside[i] = inside[i] && p.defined[i];
 }
 
 void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  const Places p = places(x, false);
+  const Sources p = sources(x, false);
   const std::size_t n = x.size();
   std::vector<MapStretch::Range> stretch(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -180,7 +180,7 @@ void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<Val
   }
 }
 
-DeformedField::Around DeformedField::look_around(std::span<const Vec3> x, double radius, const Places& p,
+DeformedField::Around DeformedField::look_around(std::span<const Vec3> x, double radius, const Sources& p,
                                                  std::span<const MapStretch::Range> stretch) const {
   static const std::array<Vec3, kBallPoints> kBall = ball_points();
   const std::size_t n = x.size();
@@ -210,7 +210,7 @@ DeformedField::Around DeformedField::look_around(std::span<const Vec3> x, double
 }
 
 void DeformedField::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {
-  const Places p = places(x, false);
+  const Sources p = sources(x, false);
   if (pieces_)
     pieces_->active(p.source, piece);
   else
@@ -225,7 +225,7 @@ void DeformedField::active(std::span<const Vec3> x, std::span<std::uint32_t> pie
 
 void DeformedField::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                                    std::span<Vec3> gradients) const {
-  const Places p = places(x, !gradients.empty());
+  const Sources p = sources(x, !gradients.empty());
   if (piece == source_pieces()) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       values[i] = std::max(p.gaps[i], -nothing_);
@@ -246,7 +246,7 @@ double DeformedField::thickness() const {
 
 void DeformedField::survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
                            std::span<Surroundings> around) const {
-  const Places p = places(x, false);
+  const Sources p = sources(x, false);
   const double most = kMoreStretch * stretch_.range().most;
   if (pieces_)
     pieces_->survey(p.source, {reach.detail * most, reach.alone * most}, values, around);

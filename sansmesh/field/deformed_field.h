@@ -48,14 +48,14 @@ class DeformedField final : public PiecewiseField {
               std::span<Surroundings> around) const override;
 
  private:
-  struct Places;
+  struct Sources;
   struct Around;
   std::uint32_t source_pieces() const { return pieces_ ? pieces_->pieces() : 1; }
-  Places places(std::span<const Vec3> x, bool jacobians) const;
-  Around look_around(std::span<const Vec3> x, double radius, const Places& places,
+  Sources sources(std::span<const Vec3> x, bool jacobians) const;
+  Around look_around(std::span<const Vec3> x, double radius, const Sources& sources,
                      std::span<const MapStretch::Range> stretch) const;
   /// Computes the quotient from the source's results, and the maximum with the gap value.
-  void finish(const Places& places, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+  void finish(const Sources& sources, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
               bool with_gaps) const;
 
   std::shared_ptr<const ScalarField> source_;

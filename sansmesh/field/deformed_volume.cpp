@@ -23,14 +23,14 @@ DeformedVolume::DeformedVolume(std::shared_ptr<const VolumeField> source, std::s
       bounds_(bounds ? *bounds : preimage_box(*map_, source_->bounds(), near)),
       stretch_(*map_, bounds_) {}
 
-void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeAnswers& wanted) const {
+void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeFieldValues& wanted) const {
   const std::size_t c = components();
   parallel_ranges(0, all.size(), kTogether, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;
     const auto part = [&](auto span, std::size_t each) {
       return span.empty() ? span : span.subspan(first * each, n * each);
     };
-    const VolumeAnswers now{part(wanted.values, c), part(wanted.gradients, c), part(wanted.inside, 1)};
+    const VolumeFieldValues now{part(wanted.values, c), part(wanted.gradients, c), part(wanted.inside, 1)};
     std::vector<Vec3> source(n);
     std::vector<Jacobian> jacobians(now.gradients.empty() ? 0 : n);
     std::vector<double> gaps(gaps_ && !now.inside.empty() ? n : 0);

@@ -24,7 +24,7 @@ class DeformedVolume final : public VolumeField {
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return source_->components(); }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   /// Spacing at T(x) divided by the stretch.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
   /// Ranges of the source in boxes that contain the images under T (SpaceMap::images).

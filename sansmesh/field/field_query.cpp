@@ -12,7 +12,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 template <class Value, class Gradient>
-void check_sizes(const Places& at, const Answers<Value, Gradient>& wanted) {
+void check_sizes(const QueryPoints& at, const FieldValues<Value, Gradient>& wanted) {
   const auto fits = [n = at.points.size()](const auto& span) { return span.empty() || span.size() == n; };
   if (!fits(wanted.values) || !fits(wanted.gradients) || !fits(wanted.inside))
     throw ArgumentError("the numbers of results and points differ");
@@ -30,7 +30,7 @@ std::span<T> or_room(std::span<T> wanted, std::size_t count, std::vector<T>& roo
 
 }  // namespace
 
-void ScalarField::query(const Places& at, const ScalarAnswers& wanted) const {
+void ScalarField::query(const QueryPoints& at, const ScalarFieldValues& wanted) const {
   check_sizes(at, wanted);
   std::vector<double> room;
   const std::span<double> values = or_room(wanted.values, at.points.size(), room);
@@ -38,7 +38,7 @@ void ScalarField::query(const Places& at, const ScalarAnswers& wanted) const {
   evaluate_in_domain(at.points, values, wanted.gradients, wanted.inside);
 }
 
-void VectorField::query(const Places& at, const VectorAnswers& wanted) const {
+void VectorField::query(const QueryPoints& at, const VectorFieldValues& wanted) const {
   check_sizes(at, wanted);
   const std::size_t n = at.points.size();
   std::vector<double> moments;
@@ -52,7 +52,7 @@ void VectorField::query(const Places& at, const VectorAnswers& wanted) const {
   evaluate(at.points, times, or_room(wanted.values, n, room), or_room(wanted.inside, n, room_inside), wanted.gradients);
 }
 
-void SpaceMap::query(const Places& at, const VectorAnswers& wanted) const {
+void SpaceMap::query(const QueryPoints& at, const VectorFieldValues& wanted) const {
   check_sizes(at, wanted);
   const std::size_t n = at.points.size();
   if (wanted.inside.empty()) return map(at.points, {wanted.values, wanted.gradients, {}, {}});

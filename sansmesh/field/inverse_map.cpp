@@ -37,7 +37,7 @@ Vec3 step_of(const Jacobian& j, const Vec3& residual) {
 
 }  // namespace
 
-InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
+InvertedPoints inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
                            const InverseOptions& options) {
   if (targets.size() != starts.size())
     throw ArgumentError("an inverse map needs a start for each target: " + std::to_string(targets.size()) +
@@ -51,7 +51,7 @@ InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, s
     tolerance = std::max(kInverseTolerance * box.diagonal(), kRounding * largest);
     if (tolerance == 0) tolerance = std::numeric_limits<double>::min();
   }
-  InverseAnswers answers{{starts.begin(), starts.end()}, std::vector<std::uint8_t>(targets.size()), 0};
+  InvertedPoints inverse{{starts.begin(), starts.end()}, std::vector<std::uint8_t>(targets.size()), 0};
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   std::vector<Target> open;
   for (std::size_t i = 0; i < targets.size(); ++i)
@@ -71,9 +71,9 @@ InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, s
       const double distance = is_finite(residual) ? norm(residual) : kUnknown;
       if (distance < t.distance) {
         t.at = x[k], t.distance = distance;
-        answers.positions[t.index] = t.at;
+        inverse.positions[t.index] = t.at;
         if (distance <= tolerance) {
-          answers.found[t.index] = 1;
+          inverse.found[t.index] = 1;
           continue;
         }
         t.step = step_of(jacobian[k], residual), t.share = 1;
@@ -86,11 +86,11 @@ InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, s
     }
     open.resize(kept);
   }
-  answers.missed = static_cast<std::size_t>(std::count(answers.found.begin(), answers.found.end(), 0));
-  return answers;
+  inverse.missed = static_cast<std::size_t>(std::count(inverse.found.begin(), inverse.found.end(), 0));
+  return inverse;
 }
 
-void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+void InverseMap::map(std::span<const Vec3> x, const MappedPoints& wanted) const {
   std::vector<Vec3> starts(x.begin(), x.end());
   if (starts_) {
     starts_->map(x, {starts, {}, {}, {}});
@@ -98,7 +98,7 @@ void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
       if (!is_finite(starts[i])) starts[i] = x[i];
   }
   // A fixed tolerance: the default would depend on the batch.
-  const InverseAnswers found = inverse_map(*map_, x, starts, {tolerance_});
+  const InvertedPoints found = inverse_map(*map_, x, starts, {tolerance_});
   std::vector<Vec3> positions(x.size());
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < x.size(); ++i)

@@ -24,13 +24,13 @@ struct InverseOptions {
 /// `found[i]` is 1 if the tolerance is reached; otherwise (no solution: folds, gaps, outside the domain of the map) the
 /// position is the best one found, at least the start. Where space is folded, several solutions exist and the start
 /// selects one.
-struct InverseAnswers {
+struct InvertedPoints {
   std::vector<Vec3> positions;
   std::vector<std::uint8_t> found;
   std::size_t missed = 0;  ///< number of targets not reached
 };
 /// Throws ArgumentError if sizes differ.
-InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
+InvertedPoints inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
                            const InverseOptions& options = {});
 
 /// Inverse of a map as a map; the inverse of a backward map is a forward map. Undefined (NaN) where no solution is
@@ -42,7 +42,7 @@ class InverseMap final : public SpaceMap {
   InverseMap(std::shared_ptr<const SpaceMap> map, double tolerance, std::shared_ptr<const SpaceMap> starts = {})
       : map_(std::move(map)), starts_(std::move(starts)), tolerance_(tolerance) {}
 
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override;
 
  private:
   std::shared_ptr<const SpaceMap> map_, starts_;

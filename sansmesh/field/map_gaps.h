@@ -11,7 +11,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// MapAnswers::gaps in a box; far from all gaps it is minus the box's diagonal, with zero gradient.
+/// MappedPoints::gaps in a box; far from all gaps it is minus the box's diagonal, with zero gradient.
 class MapGaps final : public ScalarField {
  public:
   MapGaps(std::shared_ptr<const SpaceMap> map, const Box3& box) : map_(std::move(map)), box_(box) {}

@@ -45,11 +45,11 @@ Box3 box_of_inverse(const SpaceMap& map, const Box3& source) {
         targets.push_back(between(source, i / (kPoints - 1.0), j / (kPoints - 1.0), l / (kPoints - 1.0)));
   // Inverts the centre first; the other points start from its result.
   const Vec3 middle = source.center();
-  const InverseAnswers first = inverse_map(map, std::span(&middle, 1), std::span(&middle, 1));
+  const InvertedPoints first = inverse_map(map, std::span(&middle, 1), std::span(&middle, 1));
   std::vector<Vec3> starts;
   starts.reserve(targets.size());
   for (const Vec3& u : targets) starts.push_back(first.found[0] ? u + (first.positions[0] - middle) : u);
-  const InverseAnswers all = inverse_map(map, targets, starts);
+  const InvertedPoints all = inverse_map(map, targets, starts);
   Box3 box;
   for (std::size_t i = 0; i < targets.size(); ++i)
     if (all.found[i]) box.extend(all.positions[i]);
@@ -145,9 +145,9 @@ double MapStretch::at(const Vec3& x, Vec3* gradient) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = (x[k] - box_.lower[k]) * inverse_[k], most = static_cast<double>(counts_[k] - 1);
     inside[k] = at > 0 && at < most;
-    const double place = inside[k] ? at : at >= most ? most : 0;  // 0 for NaN
-    i[k] = std::min(static_cast<std::size_t>(place), counts_[k] > 1 ? counts_[k] - 2 : 0);
-    t[k] = place - static_cast<double>(i[k]);
+    const double coordinate = inside[k] ? at : at >= most ? most : 0;  // 0 for NaN
+    i[k] = std::min(static_cast<std::size_t>(coordinate), counts_[k] > 1 ? counts_[k] - 2 : 0);
+    t[k] = coordinate - static_cast<double>(i[k]);
     next[k] = std::min(i[k] + 1, counts_[k] - 1);
   }
   double row[4], slope[4];

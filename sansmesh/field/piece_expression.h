@@ -26,9 +26,9 @@ class PieceExpression : public PiecewiseField {
 
   /// Bound for the second derivatives of a piece (norm of its Hessian, 1/length) where it vanishes within `radius` of
   /// x; infinite at a tip or crease of the piece.
-  virtual double bend(std::uint32_t piece, const Vec3& x, double radius) const = 0;
+  virtual double curvature_bound(std::uint32_t piece, const Vec3& x, double radius) const = 0;
   /// Whether the piece is known to curve in one direction only, as cylinders and cones do.
-  virtual bool bends_one_way(std::uint32_t) const { return false; }
+  virtual bool singly_curved(std::uint32_t) const { return false; }
 
   /// A blend of two pieces equals one of them where that is far below the other. Returns the piece that equals this one
   /// exactly at all of x; the piece itself if there is none.

@@ -12,7 +12,7 @@ ScaledVolume::ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector
   if (factors_.size() != field_->components()) throw ArgumentError("`factors` needs one value per component");
 }
 
-void ScaledVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void ScaledVolume::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   field_->evaluate(x, wanted);
   const std::size_t n = factors_.size();
   parallel_for(0, wanted.values.size(), 1 << 14, [&](std::size_t i) { wanted.values[i] *= factors_[i % n]; });

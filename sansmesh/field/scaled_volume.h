@@ -16,7 +16,7 @@ class ScaledVolume : public VolumeField {
   ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector<double> factors);
   Box3 bounds() const override { return field_->bounds(); }
   std::size_t components() const override { return field_->components(); }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   void spacing(std::span<const Vec3> x, std::span<double> found) const override { field_->spacing(x, found); }
   void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
 

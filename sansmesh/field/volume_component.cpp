@@ -17,7 +17,7 @@ VolumeComponent::VolumeComponent(const VolumeField& field, std::optional<std::si
   if (count == 1) component_ = 0;
 }
 
-void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   const std::size_t count = field_.components();
   if (count == 1) return field_.evaluate(x, wanted);
   // The gradient of the norm also needs the vector.

@@ -106,7 +106,7 @@ void FlowFronts::insert(std::span<const std::uint32_t> wide, double from, double
 
 void FlowFronts::find(const std::vector<double>& s, std::span<const std::uint32_t> wide, double from, double to,
                       Particles& p, std::vector<Vec3>& was) {
-  if (field_.moments().empty()) return trace(s, from, to, p, was);
+  if (field_.sample_times().empty()) return trace(s, from, to, p, was);
   const auto is_there = [this](double seed) { return ahead_.has(seed); };
   if (!std::all_of(s.begin(), s.end(), is_there)) {
     // Keeps the particles at midpoints; traces also those of the wider gaps, and of the halves of gaps that are

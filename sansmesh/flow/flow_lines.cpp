@@ -261,7 +261,7 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
   std::vector<float> speed(n), velocity(3 * n), vorticity(3 * n);
   // In blocks, because the derivatives of all points would take most of the memory; a flow in time in one block, so
   // that each of its time steps is read once.
-  const std::size_t block = field.moments().empty() ? kBlock : n;
+  const std::size_t block = field.sample_times().empty() ? kBlock : n;
   std::vector<Vec3> velocities;
   std::vector<std::uint8_t> inside;
   std::vector<Jacobian> jacobian;

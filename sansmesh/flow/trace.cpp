@@ -252,7 +252,7 @@ struct Followed {
 /// from several threads, for each particle from one.
 void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> active, Followed& with,
             const TraceOptions& options, const std::function<void(const Step&)>& made, Progress* progress) {
-  const std::span<const double> moments = field.moments(), until = with.until;
+  const std::span<const double> moments = field.sample_times(), until = with.until;
   const bool backward = options.backward;
   const auto before = [&](double a, double b) { return backward ? a > b : a < b; };
   std::vector<double> target(p.positions.size());
@@ -395,7 +395,7 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   with.until.resize(n);
   if (std::isfinite(options.length)) with.length.assign(n, options.length);
   // In unsteady flows steps end at each moment, even if the flow is slow, so they indicate nothing.
-  if (options.least_speed > 0 && field.moments().empty()) with.anchors.resize(n);
+  if (options.least_speed > 0 && field.sample_times().empty()) with.anchors.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     with.until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
     if (p.ends[i]) continue;

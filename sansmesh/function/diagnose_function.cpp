@@ -30,11 +30,11 @@ constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
 /// A shorter mean of normals has no direction.
 constexpr double kOneWay = 0.2;
-/// Extent of an edit's ball over that of the place.
+/// Extent of an edit's ball over that of the region.
 constexpr double kBallMargin = 1.05;
 /// A sheet is removed if its share of vertices on kept components is at most this.
 constexpr double kShared = 0.1;
-/// Edits are tried this often, each time without those that were harmful within this many radii of their places.
+/// Edits are tried this often, each time without those that were harmful within this many radii of their regions.
 constexpr int kTrials = 3;
 constexpr double kHarmMargin = 1.5;
 /// A remeshed surface may lose one more sample in this many, those at the limit distance.
@@ -73,8 +73,8 @@ Vec3 mean_normal(const Vec3& sum, std::size_t count) {
   return norm(sum) > kOneWay * static_cast<double>(count) ? normalized(sum) : Vec3{};
 }
 
-/// Flagged supports with touching blocks form a place.
-void gather_places(const FittedFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
+/// Flagged supports with touching blocks form a region.
+void gather_regions(const FittedFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
   const PartitionData& data = function.field.data();
   std::vector<std::uint32_t> ids;
   std::vector<Vec3f> feet;
@@ -94,33 +94,33 @@ void gather_places(const FittedFunction& function, Suspicion kind, const Flagged
     for (const std::uint32_t j : near) sets.join(i, j);
   }
   std::vector<std::int64_t> number(ids.size(), -1);
-  std::vector<SuspiciousPlace> places;
+  std::vector<SuspiciousRegion> regions;
   std::vector<Box3f> boxes;
   const bool low = kind == Suspicion::low_coverage;
   for (std::uint32_t i = 0; i < ids.size(); ++i) {
     std::int64_t& k = number[sets.find(i)];
     const double value = flagged.value[ids[i]];
     if (k < 0) {
-      k = static_cast<std::int64_t>(places.size());
-      places.push_back({kind, {}, {}, 0, 0, value, {}});
+      k = static_cast<std::int64_t>(regions.size());
+      regions.push_back({kind, {}, {}, 0, 0, value, {}});
       boxes.emplace_back();
     }
-    SuspiciousPlace& p = places[static_cast<std::size_t>(k)];
+    SuspiciousRegion& p = regions[static_cast<std::size_t>(k)];
     ++p.supports;
     p.normal += Vec3(data.functions[ids[i]].nu);
     p.worst = low ? std::min(p.worst, value) : std::max(p.worst, value);
     const float h = 0.5f * reach[i] / 1.8f;
     boxes[static_cast<std::size_t>(k)].extend({feet[i] - Vec3f{h, h, h}, feet[i] + Vec3f{h, h, h}});
   }
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    places[k].normal = mean_normal(places[k].normal, places[k].supports);
-    places[k].position = function.frame.to_input(data.origin + Vec3(boxes[k].center()));
-    places[k].radius = function.frame.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    regions[k].normal = mean_normal(regions[k].normal, regions[k].supports);
+    regions[k].position = function.frame.to_input(data.origin + Vec3(boxes[k].center()));
+    regions[k].radius = function.frame.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
   }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const SuspiciousPlace& a, const SuspiciousPlace& b) { return a.supports > b.supports; });
-  diagnosis.found[static_cast<std::size_t>(kind)] = places.size();
-  diagnosis.places.insert(diagnosis.places.end(), places.begin(), places.end());
+  std::stable_sort(regions.begin(), regions.end(),
+                   [](const SuspiciousRegion& a, const SuspiciousRegion& b) { return a.supports > b.supports; });
+  diagnosis.found[static_cast<std::size_t>(kind)] = regions.size();
+  diagnosis.regions.insert(diagnosis.regions.end(), regions.begin(), regions.end());
 }
 
 /// Total area of the samples whose nearest vertex belongs to each component, over its area.
@@ -161,7 +161,7 @@ std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshC
   return extra;
 }
 
-/// Finds extra components of the mesh, which is in the coordinates of the field: places, and the vertices on them.
+/// Finds extra components of the mesh, which is in the coordinates of the field: regions, and the vertices on them.
 void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh, const KdTree& feet,
                        Diagnosis& diagnosis, std::vector<std::uint8_t>& vertex_flag) {
   const MeshComponents components = find_components(mesh);
@@ -191,11 +191,11 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
     normal[c] += Vec3(mesh.normals[v]);
     on[c].push_back(nearest[v]);
   }
-  std::vector<SuspiciousPlace> places;
+  std::vector<SuspiciousRegion> regions;
   std::vector<std::uint8_t> proposed(sheets.size(), 0);
   for (std::size_t c = 0; c < extra.size(); ++c) {
     if (!extra[c]) continue;
-    SuspiciousPlace p;
+    SuspiciousRegion p;
     p.kind = Suspicion::extra_sheet;
     p.position = function.frame.to_input(mesh.origin + Vec3(box[c].center()));
     p.normal = mean_normal(normal[c], on[c].size());
@@ -216,12 +216,12 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
       edit.action = RemoveSupports{};
       p.edit = edit;
     }
-    places.push_back(p);
+    regions.push_back(p);
   }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const SuspiciousPlace& a, const SuspiciousPlace& b) { return a.worst > b.worst; });
-  diagnosis.found[static_cast<std::size_t>(Suspicion::extra_sheet)] = places.size();
-  diagnosis.places.insert(diagnosis.places.end(), places.begin(), places.end());
+  std::stable_sort(regions.begin(), regions.end(),
+                   [](const SuspiciousRegion& a, const SuspiciousRegion& b) { return a.worst > b.worst; });
+  diagnosis.found[static_cast<std::size_t>(Suspicion::extra_sheet)] = regions.size();
+  diagnosis.regions.insert(diagnosis.regions.end(), regions.begin(), regions.end());
 }
 
 /// Constants are intended, and planes that the published method borrowed for empty blocks cannot be judged.
@@ -229,9 +229,9 @@ bool is_looked_at(const PartitionData& data, const Support& s) {
   return s.state == Support::fitted && !(data.paper && s.area == 0);
 }
 
-/// Suggests an edit for a place; `refits`: it can be refitted locally. Few samples determine planes only; contradicting
-/// ones need wide supports.
-void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_above, bool refits) {
+/// Suggests an edit for a region; `refits`: it can be refitted locally. Few samples determine planes only;
+/// contradicting ones need wide supports.
+void suggest(SuspiciousRegion& p, const DiagnoseOptions& options, double error_above, bool refits) {
   Edit edit;
   edit.select.ball = {p.position, kBallMargin * p.radius};
   if (p.kind == Suspicion::low_coverage) {
@@ -276,14 +276,14 @@ std::optional<TriangleMesh> repaired_mesh(const FittedFunction& function, const 
 /// is responsible.
 bool revert_harmful(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before,
                     const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
-  std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
+  std::vector<std::uint8_t> harmful(diagnosis.regions.size(), 0);
   for (std::size_t i = 0; i < lost.size(); ++i) {
     if (!lost[i] || lost_before[i]) continue;
     const Vec3 x = function.frame.to_input(function.samples->origin + Vec3(function.samples->positions[i]));
     std::size_t nearest = harmful.size();
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < harmful.size(); ++k) {
-      const SuspiciousPlace& p = diagnosis.places[k];
+      const SuspiciousRegion& p = diagnosis.regions[k];
       if (!p.edit) continue;
       const double off = norm(x - p.position) - kHarmMargin * p.radius;
       if (off <= 0) harmful[k] = 1;
@@ -292,7 +292,7 @@ bool revert_harmful(const FittedFunction& function, const std::vector<std::uint8
     if (nearest < harmful.size()) harmful[nearest] = 1;
   }
   for (std::size_t k = 0; k < harmful.size(); ++k)
-    if (harmful[k]) diagnosis.places[k].edit.reset();
+    if (harmful[k]) diagnosis.regions[k].edit.reset();
   return std::find(harmful.begin(), harmful.end(), 1) != harmful.end();
 }
 
@@ -308,7 +308,7 @@ void try_edits(const FittedFunction& function, const std::vector<std::uint8_t>& 
     if (std::count(lost.begin(), lost.end(), 1) <= most) return;
     if (!revert_harmful(function, lost_before, lost, diagnosis)) break;
   }
-  for (SuspiciousPlace& p : diagnosis.places) p.edit.reset();
+  for (SuspiciousRegion& p : diagnosis.regions) p.edit.reset();
 }
 
 void color_mesh(const FittedFunction& function, const KdTree& feet, std::span<const Flagged> flagged,
@@ -358,7 +358,8 @@ const OptionSchema& DiagnoseOptions::schema() {
                                   .unit = "norm",
                                   .range = {.least = 1, .above = true},
                                   .old_name = "gradient"}),
-      option<&O::places>({.text = "Largest number of reported places of each kind", .range = at_least(0)})};
+      option<&O::most_regions>(
+          {.text = "Largest number of reported places of each kind", .range = at_least(0), .name = "places"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -367,7 +368,7 @@ void DiagnoseOptions::validate() const { validate_options(*this); }
 
 std::vector<Edit> Diagnosis::edits() const {
   std::vector<Edit> all;
-  for (const SuspiciousPlace& p : places)
+  for (const SuspiciousRegion& p : regions)
     if (p.edit) all.push_back(*p.edit);
   return all;
 }
@@ -415,13 +416,14 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   move_from_input(mesh, function.frame);
   find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
-    gather_places(function, kind, of(kind), diagnosis);
-  // Limits the number of places of each kind.
+    gather_regions(function, kind, of(kind), diagnosis);
+  // Limits the number of regions of each kind.
   std::array<std::size_t, kSuspicions> kept{};
-  std::erase_if(diagnosis.places,
-                [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });
+  std::erase_if(diagnosis.regions, [&](const SuspiciousRegion& p) {
+    return ++kept[static_cast<std::size_t>(p.kind)] > options.most_regions;
+  });
   if (function.samples->size() > 0)  // nothing can be fitted again without
-    for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above, !data.paper);
+    for (SuspiciousRegion& p : diagnosis.regions) suggest(p, options, diagnosis.error_above, !data.paper);
   if (function.samples->size() > 0 && !diagnosis.edits().empty()) {
     MeshReport report;
     report.open = field.report().open_area > 0;

@@ -58,10 +58,10 @@ class TwiceGiven {
   /// "step 3.select", as in the other errors.
   std::string where() const {
     const bool in_steps = open_.size() > 2 && open_[0].object && open_[0].object->last == "steps" && !open_[1].object;
-    std::string place = in_steps ? fmt::format("step {}", open_[1].elements) : "the script";
+    std::string location = in_steps ? fmt::format("step {}", open_[1].elements) : "the script";
     for (std::size_t i = in_steps ? 2 : 0; i + 1 < std::min<std::size_t>(open_.size(), 8); ++i)
-      if (open_[i].object) place += "." + printable(open_[i].object->last, 40);
-    return place;
+      if (open_[i].object) location += "." + printable(open_[i].object->last, 40);
+    return location;
   }
 
   std::vector<Open> open_;

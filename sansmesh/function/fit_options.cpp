@@ -59,7 +59,7 @@ constexpr OptionRow kRows[] = {
         {.text = "With `fit = paper`: share of a support that samples have to cover for degrees 2, 3 and 4: thesis "
                  "(.4,.8,.85), paper (.85,.9,.95), none or three numbers",
          .from_data = "thesis",
-         .usual_words = kCoverageWords}),
+         .suggestions = kCoverageWords}),
     option<&FitOptions::depth>({.text = "Deepest level of the tree of blocks",
                                 .unit = "level",
                                 .from_data = "from data; 9 with `fit = paper`",

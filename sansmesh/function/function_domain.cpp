@@ -31,14 +31,14 @@ Coverage coverage_of(const FittedFunction& function, std::optional<double> fill)
   if (fill) fill = std::min(*fill, static_cast<double>(data.edge));
   if (function.samples->size() > 0) return {function.samples->positions, report.spacing, fill};
   // Without samples each support represents the samples of its block.
-  std::vector<Vec3f> places;
+  std::vector<Vec3f> positions;
   std::vector<float> spacings;
   for (const Support& s : data.supports.view()) {
     if (s.state == Support::constant) continue;
-    places.push_back(s.foot);
+    positions.push_back(s.foot);
     spacings.push_back(data.edge / static_cast<float>(1u << s.level));
   }
-  return {places, spacings, fill};
+  return {positions, spacings, fill};
 }
 
 /// Winding number of the closed sheets, if there are open ones, too.

@@ -84,7 +84,7 @@ struct MeshField::Parts {
   Vec3 normal_at(std::uint32_t v, std::uint32_t patch) const {
     Vec3 sum;
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-      const std::uint32_t t = corners.corner[i] / 3, k = corners.corner[i] % 3;
+      const std::uint32_t t = corners.entries[i] / 3, k = corners.entries[i] % 3;
       if (patch != all_patches && patches.patch[t] != patch) continue;
       const Triangle& f = patches.triangles[t];
       const Vec3 a = position(f[(k + 1) % 3]) - position(v), b = position(f[(k + 2) % 3]) - position(v);
@@ -227,7 +227,7 @@ struct MeshField::Parts {
   Vec3 edge_normal(std::uint32_t a, std::uint32_t b) const {
     Vec3 sum;
     for (std::uint32_t i = corners.first[a]; i < corners.first[a + 1]; ++i) {
-      const std::uint32_t t = corners.corner[i] / 3;
+      const std::uint32_t t = corners.entries[i] / 3;
       const Triangle& f = patches.triangles[t];
       if (f[0] == b || f[1] == b || f[2] == b) sum += patches.normal[t];
     }
@@ -300,7 +300,7 @@ struct MeshField::Parts {
     };
     if (const int k = corner_of(foot.part); k >= 0) {
       const std::uint32_t v = patches.triangles[foot.triangle][k];
-      for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) look(corners.corner[i] / 3);
+      for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) look(corners.entries[i] / 3);
     } else if (const int e = edge_of(foot.part); e >= 0) {
       look(foot.triangle);
       const std::uint32_t other = patches.across[3 * foot.triangle + static_cast<std::uint32_t>(e)];

@@ -40,11 +40,11 @@ const char* const kRemedy = "a reconstruction makes a closed mesh of it, a fit a
 /// Share of faces, estimated at some of them, beside which the winding number is not that of the surface of a solid.
 double share_inside(const TriangleMesh& mesh) {
   const std::size_t n = mesh.triangles.size();
-  const std::size_t places = std::clamp<std::size_t>(kInsideChecks / std::max<std::size_t>(n, 1) / 2, 8, kMostChecked);
+  const std::size_t tests = std::clamp<std::size_t>(kInsideChecks / std::max<std::size_t>(n, 1) / 2, 8, kMostChecked);
   const double step = 1e-4 * static_cast<double>(bounds(mesh).diagonal());
-  std::vector<std::uint8_t> wrong(places, 0);
-  parallel_for(0, places, 1, [&](std::size_t i) {
-    const Triangle& t = mesh.triangles[i * n / places];
+  std::vector<std::uint8_t> wrong(tests, 0);
+  parallel_for(0, tests, 1, [&](std::size_t i) {
+    const Triangle& t = mesh.triangles[i * n / tests];
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
     const Vec3 normal = normalized(cross(b - a, c - a));
     if (normal == Vec3{}) return;
@@ -58,7 +58,7 @@ double share_inside(const TriangleMesh& mesh) {
       if (std::abs(winding - (side < 0 ? 1 : 0)) > 0.5) wrong[i] = 1;
     }
   });
-  return static_cast<double>(std::count(wrong.begin(), wrong.end(), 1)) / static_cast<double>(places);
+  return static_cast<double>(std::count(wrong.begin(), wrong.end(), 1)) / static_cast<double>(tests);
 }
 
 /// Where faces cross each other the inside is ambiguous.

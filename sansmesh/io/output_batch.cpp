@@ -84,30 +84,30 @@ int write_all(int fd, const Parts& parts, bool blocks = false) {
 }
 
 /// Opens a file that cannot be replaced. Waits for the reader of a named pipe.
-int open_stream(const std::string& file, const io::OutputDestination& place) {
-  const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0);
-  if (place.descriptor >= 0) {
+int open_stream(const std::string& file, const io::OutputDestination& destination) {
+  const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (destination.pipe ? O_NONBLOCK : 0);
+  if (destination.descriptor >= 0) {
     // A second, non-blocking description of the same pipe. It does not exist if the pipe's reader is gone or another
     // user created the pipe; then the original descriptor is used.
-    const std::string name = fmt::format("/proc/self/fd/{}", place.descriptor);
-    int fd = place.pipe ? ::open(name.c_str(), flags) : -1;
-    if (fd < 0) fd = ::fcntl(place.descriptor, F_DUPFD_CLOEXEC, 0);
+    const std::string name = fmt::format("/proc/self/fd/{}", destination.descriptor);
+    int fd = destination.pipe ? ::open(name.c_str(), flags) : -1;
+    if (fd < 0) fd = ::fcntl(destination.descriptor, F_DUPFD_CLOEXEC, 0);
     if (fd < 0) io::fail_output(file, errno);
     return fd;
   }
   for (;;) {
-    const int fd = ::open(place.path.c_str(), flags);
+    const int fd = ::open(destination.path.c_str(), flags);
     if (fd >= 0) return fd;
-    if (!place.pipe || errno != ENXIO) io::fail_output(file, errno);
+    if (!destination.pipe || errno != ENXIO) io::fail_output(file, errno);
     check_cancelled();
     const timespec pause{0, 50'000'000};
     ::nanosleep(&pause, nullptr);
   }
 }
 
-void write_stream(const std::string& file, const io::OutputDestination& place, const Parts& parts) {
-  detail::Descriptor d(open_stream(file, place));
-  int error = write_all(d.fd, parts, place.pipe && (::fcntl(d.fd, F_GETFL) & O_NONBLOCK) == 0);
+void write_stream(const std::string& file, const io::OutputDestination& destination, const Parts& parts) {
+  detail::Descriptor d(open_stream(file, destination));
+  int error = write_all(d.fd, parts, destination.pipe && (::fcntl(d.fd, F_GETFL) & O_NONBLOCK) == 0);
   if (::close(std::exchange(d.fd, -1)) != 0 && error == 0) error = errno;
   if (error != 0) io::fail_output(file, error);
 }
@@ -179,15 +179,15 @@ std::filesystem::path OutputBatch::Files::folder_for(const std::filesystem::path
 }
 
 void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
-  const io::OutputDestination place = io::find_output_destination(file);
-  if (place.stream) {
-    standard_output = standard_output || place.descriptor == STDOUT_FILENO;
-    return write_stream(file, place, parts);
+  const io::OutputDestination destination = io::find_output_destination(file);
+  if (destination.stream) {
+    standard_output = standard_output || destination.descriptor == STDOUT_FILENO;
+    return write_stream(file, destination, parts);
   }
   const auto same =
-      std::find_if(waiting.begin(), waiting.end(), [&](const Waiting& w) { return w.target == place.path; });
+      std::find_if(waiting.begin(), waiting.end(), [&](const Waiting& w) { return w.target == destination.path; });
   const bool again = same != waiting.end();
-  Waiting w{file, place.path, again ? same->staged : std::filesystem::path()};
+  Waiting w{file, destination.path, again ? same->staged : std::filesystem::path()};
   if (again) waiting.erase(same);
   int fd = -1;
   {
@@ -200,7 +200,8 @@ void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
   if (fd < 0) io::fail_output(file, errno);
   int error = 0;
   try {
-    if (place.exists) (void)!::fchmod(fd, place.mode);  // keeps the old file's mode if the system permits it
+    if (destination.exists)
+      (void)!::fchmod(fd, destination.mode);  // keeps the old file's mode if the system permits it
     error = write_all(fd, parts);
     std::size_t size = 0;
     for (const std::string_view part : parts) size += part.size();
@@ -251,7 +252,7 @@ void OutputBatch::Files::commit() {
   sync_files();
   check_cancelled();
   std::vector<Waiting> all;
-  std::vector<std::filesystem::path> places;
+  std::vector<std::filesystem::path> parents;
   int failed = 0;
   const Waiting* culprit = nullptr;
   {
@@ -264,15 +265,15 @@ void OutputBatch::Files::commit() {
         break;
       }
       placed.push_back(w.file);
-      std::filesystem::path place = w.target.parent_path();
-      if (place.empty()) place = ".";
-      if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(std::move(place));
+      std::filesystem::path folder = w.target.parent_path();
+      if (folder.empty()) folder = ".";
+      if (std::find(parents.begin(), parents.end(), folder) == parents.end()) parents.push_back(std::move(folder));
     }
     folders.clear();
   }
   int lost = 0;
-  for (const std::filesystem::path& place : places)
-    if (const int error = sync_path(place); error != 0) lost = error;
+  for (const std::filesystem::path& folder : parents)
+    if (const int error = sync_path(folder); error != 0) lost = error;
   if (culprit) {
     if (placed.empty()) io::fail_output(culprit->file, failed);
     try {

@@ -29,20 +29,20 @@ int descriptor_of(const std::filesystem::path& path) {
 }
 
 /// Follows symbolic links one by one, because the last one may name a file that does not exist yet.
-void follow_links(const std::string& file, OutputDestination& place) {
+void follow_links(const std::string& file, OutputDestination& destination) {
   for (int hop = 0; hop < kMostLinks; ++hop) {
     struct stat info {};
-    if (::lstat(place.path.c_str(), &info) != 0) {
+    if (::lstat(destination.path.c_str(), &info) != 0) {
       if (errno == ENOENT) return;
       fail_output(file, errno);
     }
     if (!S_ISLNK(info.st_mode)) return;
-    place.descriptor = descriptor_of(place.path);
-    if (place.descriptor >= 0) return;
+    destination.descriptor = descriptor_of(destination.path);
+    if (destination.descriptor >= 0) return;
     std::error_code failed;
-    const auto target = std::filesystem::read_symlink(place.path, failed);
+    const auto target = std::filesystem::read_symlink(destination.path, failed);
     if (failed) fail_output(file, failed.value());
-    place.path = target.is_absolute() ? target : place.path.parent_path() / target;
+    destination.path = target.is_absolute() ? target : destination.path.parent_path() / target;
   }
   fail_output(file, ELOOP);
 }
@@ -86,28 +86,28 @@ void fail_output(const std::string& file, int error) {
 
 OutputDestination find_output_destination(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
-  OutputDestination place;
-  place.path = detail::file_to_open(file);
-  follow_links(file, place);
+  OutputDestination destination;
+  destination.path = detail::file_to_open(file);
+  follow_links(file, destination);
   struct stat info {};
-  if (place.descriptor >= 0) {
-    const int flags = ::fcntl(place.descriptor, F_GETFL);
-    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY || ::fstat(place.descriptor, &info) != 0)
+  if (destination.descriptor >= 0) {
+    const int flags = ::fcntl(destination.descriptor, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY || ::fstat(destination.descriptor, &info) != 0)
       throw FileError(file, "cannot be written (it is not open for that)");
-    place.exists = place.stream = true;
-    place.pipe = S_ISFIFO(info.st_mode);
-    return place;
+    destination.exists = destination.stream = true;
+    destination.pipe = S_ISFIFO(info.st_mode);
+    return destination;
   }
-  if (::stat(place.path.c_str(), &info) == 0) {
-    place.exists = true;
+  if (::stat(destination.path.c_str(), &info) == 0) {
+    destination.exists = true;
     if (S_ISDIR(info.st_mode)) fail_output(file, EISDIR);
-    if (::access(place.path.c_str(), W_OK) != 0) fail_output(file, errno);
-    place.stream = !S_ISREG(info.st_mode);
-    place.pipe = S_ISFIFO(info.st_mode);
-    place.mode = info.st_mode & 07777;
-    if (place.stream) return place;
+    if (::access(destination.path.c_str(), W_OK) != 0) fail_output(file, errno);
+    destination.stream = !S_ISREG(info.st_mode);
+    destination.pipe = S_ISFIFO(info.st_mode);
+    destination.mode = info.st_mode & 07777;
+    if (destination.stream) return destination;
   }
-  std::filesystem::path folder = place.path.parent_path();
+  std::filesystem::path folder = destination.path.parent_path();
   if (folder.empty()) folder = ".";
   if (::stat(folder.c_str(), &info) != 0) fail_output(file, errno);
   if (!S_ISDIR(info.st_mode)) fail_output(file, ENOTDIR);
@@ -115,7 +115,7 @@ OutputDestination find_output_destination(const std::string& file) {
     if (errno == EROFS) fail_output(file, errno);
     throw FileError(file, "cannot be written (permission denied in its folder)");
   }
-  return place;
+  return destination;
 }
 
 }  // namespace sansmesh::inline v1::io

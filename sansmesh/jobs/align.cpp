@@ -31,7 +31,7 @@ void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOption
                                      counted(static_cast<std::size_t>(r.free_motions), "motion")));
   if (r.overlap < kLittleOverlap)
     note("little_overlap", fmt::format("only {:.0f} % of it are on the other surface", 100 * r.overlap),
-         options.start == AlignStart::as_it_lies ? "`from = anywhere` searches all positions" : "");
+         options.start == AlignStart::given_pose ? "`from = anywhere` searches all positions" : "");
   if (r.mirror_image_fits)
     note("mirrored", "its mirror image fits the other surface better than it does: one of them is mirrored");
   else if (r.differing > kOtherShape)

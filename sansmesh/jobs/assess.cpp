@@ -99,10 +99,10 @@ const ReportSchema& AssessReport::schema() {
 namespace {
 
 /// "0.12 % of the samples: farther than 0.5 from the mesh, most of it around (1, 2, 3)".
-std::string far_words(const FarPlaces& f, const char* of, const char* from) {
+std::string far_words(const FarPoints& f, const char* of, const char* from) {
   return fmt::format("{} of the {}: farther than {} from {}{}",
                      f.share > 0 && f.share < 5e-5 ? "less than 0.01 %" : fmt::format("{:.2f} %", 100 * f.share), of,
-                     length_words(f.beyond), from, f.most ? ", most of it around " + point_words(*f.most) : "");
+                     length_words(f.beyond), from, f.densest ? ", most of it around " + point_words(*f.densest) : "");
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ Box3 CloudOrMesh::bounds() const {
   return own.empty() ? Box3{} : Box3{origin() + Vec3(own.lower), origin() + Vec3(own.upper)};
 }
 
-std::string CloudOrMesh::belongings(const std::vector<std::string>& lost) const {
+std::string CloudOrMesh::attribute_words(const std::vector<std::string>& lost) const {
   constexpr std::size_t kNamed = 8;
   std::vector<std::string> names;
   if (!(is_mesh ? mesh.normals : points.normals).empty()) names.emplace_back("normals");
@@ -103,13 +103,13 @@ std::string move_all(CloudOrMesh& data, const AffineMap& map) {
   } catch (const ArgumentError& error) {
     throw DataError(error.what());
   }
-  if (map.only_shifts()) return "";
+  if (map.is_translation()) return "";
   const AttributeTable& of_triangles = data.mesh.triangle_attributes;
   for (const AttributeTable* const table : {&data.attributes(), &of_triangles})
     for (const Attribute& a : *table)
       if (a.components == 3 && is_real(a.type()) &&
-          std::find(data.unturned.begin(), data.unturned.end(), a.name) == data.unturned.end())
-        data.unturned.push_back(a.name);
+          std::find(data.untransformed.begin(), data.untransformed.end(), a.name) == data.untransformed.end())
+        data.untransformed.push_back(a.name);
   return "";
 }
 

@@ -124,8 +124,8 @@ const ReportSchema& CompareReport::schema() {
 }
 
 const ReportSchema& CompareResult::schema() {
-  static constexpr ReportRow rows[] = {reported_beside<&CompareResult::map>(),
-                                       reported_beside<&CompareResult::report>()};
+  static constexpr ReportRow rows[] = {reported_inline<&CompareResult::map>(),
+                                       reported_inline<&CompareResult::report>()};
   return report_schema<rows>();
 }
 

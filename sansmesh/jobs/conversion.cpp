@@ -22,7 +22,7 @@ struct ApplyStep {
   std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
     const AboutStep own{point, center}, &used = point || center ? own : about_now;
     if (used.center) return move_all(data, map.about(data.bounds().center()));
-    return move_all(data, used.place ? map.about(*used.place) : map);
+    return move_all(data, used.fixed_point ? map.about(*used.fixed_point) : map);
   }
 
   std::string operator()(const AboutStep& s) {
@@ -61,8 +61,8 @@ struct ApplyStep {
 /// "`box` leaves nothing …".
 std::string in_backticks(std::string_view name) { return "`" + std::string(name) + "`"; }
 
-ConvertedBy apply_step(CloudOrMesh& data, const ConvertStep& step, ApplyStep& how) {
-  ConvertedBy done{.step = step_name(step), .remark = {}, .triangles = {}};
+ConvertStepReport apply_step(CloudOrMesh& data, const ConvertStep& step, ApplyStep& how) {
+  ConvertStepReport done{.step = step_name(step), .remark = {}, .triangles = {}};
   const Box3 box = data.bounds();
   const std::string before = data.size_words();
   try {
@@ -144,7 +144,7 @@ void write_converted(const std::string& file, const CloudOrMesh& data, bool asci
 
 std::vector<std::string> summary_of(const ConvertReport& report) {
   std::vector<std::string> lines;
-  for (const ConvertedBy& done : report.steps)
+  for (const ConvertStepReport& done : report.steps)
     if (!done.remark.empty()) lines.push_back(in_backticks(done.step) + ": " + done.remark);
   return lines;
 }
@@ -170,22 +170,22 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
         {.code = "nonmanifold_weld",
          .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
                              counted(data.nonmanifold_edges_of_weld, "edge"))});
-  if (!data.unturned.empty())
+  if (!data.untransformed.empty())
     result.notes.push_back({.code = "unturned",
                             .text = fmt::format("attributes of three numbers are not rotated: {}",
-                                                printable(fmt::format("{}", fmt::join(data.unturned, ", "))))});
+                                                printable(fmt::format("{}", fmt::join(data.untransformed, ", "))))});
   return result;
 }
 
-const ReportSchema& ConvertedBy::schema() {
+const ReportSchema& ConvertStepReport::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
-      reported<[](const ConvertedBy& r) { return value_if(!r.triangles, r.size); }>(
+      reported<[](const ConvertStepReport& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+      reported<[](const ConvertStepReport& r) { return value_if(!r.triangles, r.size); }>(
           {.name = "points", .text = "Points after it"}),
-      reported<[](const ConvertedBy& r) { return value_if(r.triangles.has_value(), r.size); }>(
+      reported<[](const ConvertStepReport& r) { return value_if(r.triangles.has_value(), r.size); }>(
           {.name = "vertices", .text = "Vertices after it"}),
-      reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
-      reported<[](const ConvertedBy& r) { return value_if(!r.remark.empty(), r.remark); }>(
+      reported<&ConvertStepReport::triangles>({.text = "Triangles after it"}),
+      reported<[](const ConvertStepReport& r) { return value_if(!r.remark.empty(), r.remark); }>(
           {.name = "remark", .text = "Effect on the data, as text"})};
   return report_schema<rows>();
 }

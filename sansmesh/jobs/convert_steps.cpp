@@ -145,7 +145,7 @@ void validate_step(const ConvertStep& step) { std::visit(ValidateStep(), step); 
 const OptionSchema& AboutStep::schema() {
   using O = AboutStep;
   static constexpr OptionRow rows[] = {
-      option<&O::place>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
+      option<&O::fixed_point>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0", .name = "place"}),
       option<&O::center>({.text = "The centre of the bounding box is fixed", .excludes = "place"})};
   return option_schema<rows>();
 }
@@ -286,7 +286,7 @@ ConvertStep about_of(const OptionValue& value) {
   if (text_in(value) == "center") return AboutStep{.center = true};
   const auto v = numbers_in(text_in(value), 3);
   if (!v) throw step_must_be("x,y,z or center", text_in(value));
-  return AboutStep{.place = Vec3{(*v)[0], (*v)[1], (*v)[2]}};
+  return AboutStep{.fixed_point = Vec3{(*v)[0], (*v)[1], (*v)[2]}};
 }
 
 ConvertStep crop_of(const OptionValue& value, bool inside) {

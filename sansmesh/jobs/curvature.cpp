@@ -31,7 +31,7 @@ double curvature_quantile(std::vector<float> values, double q) {
 /// Input with the normals that were used, and the curvatures at each sample or vertex.
 struct CurvedInput {
   PointSet points;
-  std::vector<PrincipalCurvatures> curvatures;
+  std::vector<FittedCurvatures> curvatures;
   double noise = 0;
 
   bool is_mesh() const { return !points.triangles.empty(); }
@@ -63,13 +63,13 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
   made.curvatures = is_mesh ? estimate_vertex_curvatures(cloud.points, options, progress)
                             : estimate_curvatures(cloud.points, options, progress);
   const auto unit = static_cast<float>(cloud.frame.unit);
-  for (PrincipalCurvatures& c : made.curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
+  for (FittedCurvatures& c : made.curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   if (!is_mesh) {
     made.points = std::move(cloud.points);
     move_to_input(made.points, cloud.frame);
     return made;
   }
-  const std::vector<PrincipalCurvatures> found = std::exchange(made.curvatures, {});
+  const std::vector<FittedCurvatures> found = std::exchange(made.curvatures, {});
   made.curvatures.resize(mesh.size());
   mesh.normals.resize(mesh.size());
   const std::vector<std::uint32_t>& rows = *cloud.points.attributes.find<std::uint32_t>(kRow);

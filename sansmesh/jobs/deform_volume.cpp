@@ -76,7 +76,7 @@ class VolumePoses {
       look_.preset.clear();
     }
     if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
-    if (options_.any_view)
+    if (options_.default_view)
       if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();
@@ -134,9 +134,9 @@ class VolumePoses {
     if (outside) subject.boundary = &*outside;
     subject.image = plain.image;
     subject.field = &field;
-    std::vector<Vec3> places, framed = framed_;
-    if (outside) add_finite_points(outside->origin, outside->vertices, places);
-    subject.samples = places;
+    std::vector<Vec3> vertices, framed = framed_;
+    if (outside) add_finite_points(outside->origin, outside->vertices, vertices);
+    subject.samples = vertices;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
     if (options_.draw_folds && !folded.triangles.empty())

@@ -112,7 +112,7 @@ const ReportSchema& DeformableVolume::schema() {
 
 const ReportSchema& DeformReport::schema() {
   static constexpr ReportRow rows[] = {
-      reported_beside<&DeformReport::folds>(),
+      reported_inline<&DeformReport::folds>(),
       reported<[](const DeformReport& r) { return value_if(r.vertices > 0, r.vertices); }>(
           {.name = "vertices", .text = "Vertices or points"}),
       reported<[](const DeformReport& r) { return value_if(r.vertices > 0, r.triangles); }>(

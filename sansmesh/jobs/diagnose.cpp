@@ -23,7 +23,7 @@ constexpr std::size_t kMostOnSheet = 1600;
 std::vector<ListedRegion> listed_regions(const Diagnosis& d) {
   std::vector<ListedRegion> listed;
   std::size_t steps = 0;
-  for (const SuspiciousPlace& p : d.places) {
+  for (const SuspiciousRegion& p : d.regions) {
     listed.push_back({p, 0, {}});
     if (p.edit) listed.back().step = ++steps;
   }
@@ -61,13 +61,13 @@ DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& 
 namespace {
 
 /// Position, rounded to a hundredth of the radius.
-std::string where(const SuspiciousPlace& p) {
+std::string where(const SuspiciousRegion& p) {
   const int digits = index_in<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius))), 0, 12);
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
 }
 
 std::string line_of(const ListedRegion& listed, bool steps) {
-  const SuspiciousPlace& p = listed.region;
+  const SuspiciousRegion& p = listed.region;
   return fmt::format("{:>4} at {}, radius {}: {}, {}{}", listed.number, where(p), length_words(p.radius),
                      listed.worst_words(), counted(p.supports, "fit"),
                      steps && listed.step ? fmt::format("; step {}", *listed.step) : "");

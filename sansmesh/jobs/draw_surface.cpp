@@ -39,7 +39,7 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
   std::unique_ptr<CurvatureColors> colors;
   if (mesh) {
     const auto scale = static_cast<float>(frame.unit / mesh->frame.unit);
-    for (PrincipalCurvatures& c : mesh->curvatures) c.k1 *= scale, c.k2 *= scale;
+    for (FittedCurvatures& c : mesh->curvatures) c.k1 *= scale, c.k2 *= scale;
     move_to_input(mesh->points, mesh->frame);
     move_from_input(mesh->points, frame);
     colors = std::make_unique<CurvatureColors>(mesh->points, mesh->curvatures, by);

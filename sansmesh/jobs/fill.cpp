@@ -60,8 +60,8 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
   options.validate();
   FillResult result;
   result.triangles = mesh.triangles.size();
-  const JoinedVertices places = join_equal_vertices(mesh);
-  result.joined_vertices = places.joined;
+  const JoinedVertices joined = join_equal_vertices(mesh);
+  result.joined_vertices = joined.joined;
   result.mesh = std::move(mesh);
   const FillReport& r = result.report = fill_holes(result.mesh, options, progress);
   const auto note = [&](const char* code, std::string text) {
@@ -77,9 +77,9 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
                              wide == 1 ? "1 hole that was filled is" : grouped(wide) + " holes that were filled are"));
   if (r.islands > 0)
     note("islands", fmt::format("{} are in or near fillings, and stay there", counted(r.islands, "separate piece")));
-  if (places.seams > 0)
+  if (joined.seams > 0)
     note("seams", fmt::format("{} at the same place as another, with other colours or attributes: seams, but no holes",
-                              places.seams == 1 ? "1 vertex is" : grouped(places.seams) + " vertices are"));
+                              joined.seams == 1 ? "1 vertex is" : grouped(joined.seams) + " vertices are"));
   return result;
 }
 
@@ -88,7 +88,7 @@ const ReportSchema& HolesResult::schema() {
       reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
       reported<&HolesResult::joined_vertices>(
           {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-      reported_beside<&HolesResult::holes>()};
+      reported_inline<&HolesResult::holes>()};
   return report_schema<rows>();
 }
 
@@ -97,7 +97,7 @@ const ReportSchema& FillResult::schema() {
       reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
       reported<&FillResult::joined_vertices>(
           {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-      reported_beside<&FillResult::report>()};
+      reported_inline<&FillResult::report>()};
   return report_schema<rows>();
 }
 

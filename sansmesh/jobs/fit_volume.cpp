@@ -24,7 +24,7 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
         fmt::format("`array`: all components are fitted together; select one when the file is used ({}, not {})",
                     choice.array, volume.options().array));
   volume.samples(progress);
-  const ReconstructionOptions asked = options_for(volume, choice.array, progress);
+  const VolumeReconstructionOptions asked = options_for(volume, choice.array, progress);
   VolumeReconstructionReport report;
   auto fitted = std::make_shared<FittedVolume>(with_name(volume.name(), [&] {
     return dataset_of(volume).fit(choice.array, asked, options.all_arrays, progress, &report);

@@ -130,7 +130,7 @@ class SurfacePictures {
     result_.surface = surface_.report;
     Box3 box;
     for (const FlowPoint& p : surface_.points) points_.push_back(p.position), box.extend(p.position);
-    if (options.any_view)
+    if (options.default_view)
       if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
     result_.width = picture_.view.width, result_.height = picture_.view.height;
@@ -252,7 +252,7 @@ const OptionSchema& FlowPictureOptions::schema() {
       option<&O::preset>({.text = "Colours and opacities of the volume",
                           .unit = "name",
                           .needs = "volume_array",
-                          .usual_words = transfer_function_presets(),
+                          .suggestions = transfer_function_presets(),
                           .old_name = "volume_preset"}),
       option<&O::opacity_factor>({.text = "Factor of the volume's opacity",
                                   .unit = "factor",

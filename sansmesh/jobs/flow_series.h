@@ -18,7 +18,7 @@ struct FlowSeries {
   VolumeReadOptions read;
   DatasetArray array;
   ArrayChoice choice;
-  ReconstructionOptions method;
+  VolumeReconstructionOptions method;
   FlowStep first;
   std::vector<std::string> first_notes;
 };

@@ -185,7 +185,7 @@ const ReportSchema& CloudInfo::schema() {
           {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
       reported<&CloudInfo::spans>({.text = "Shape of the cloud, as text"}),
       reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
-      reported_beside<&CloudInfo::noise>(),
+      reported_inline<&CloudInfo::noise>(),
       reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, as text"}),
       reported<&CloudInfo::normals>({.name = "orientation", .text = "Orientation of the normals"}),
       reported<&CloudInfo::orient_by>({.text = "Source of signs for new normals", .choices = kOrientByWords}),

@@ -39,7 +39,7 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
   TriangleMesh& mesh = result.mesh;
   const std::vector<Vec3> x = world_points(mesh.origin, mesh.vertices);
   for (const std::string& name : wanted) {
-    ReconstructionOptions options;
+    VolumeReconstructionOptions options;
     options.method = is_real(dataset_of(volume).array(name).type) ? "linear" : "nearest";
     const auto field = with_name(volume.name(), [&] {
       return dataset_of(volume).field({name, {}, false}, options, progress);
@@ -94,7 +94,7 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
 const ReportSchema& VolumeIsosurfaceReport::schema() {
   static constexpr ReportRow rows[] = {
       reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
-      reported_beside<&VolumeIsosurfaceReport::mesh>()};
+      reported_inline<&VolumeIsosurfaceReport::mesh>()};
   return report_schema<rows>();
 }
 

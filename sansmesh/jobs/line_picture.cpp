@@ -72,7 +72,7 @@ RenderOptions picture_options(const LinePictureOptions& options, const Box3& box
   RenderOptions picture = options.picture;
   picture.look.shadows = picture.look.ground = false;
   if (!picture.look.background) picture.look.background = Background::solid({0.93f, 0.94f, 0.95f});
-  if (options.any_view)
+  if (options.default_view)
     if (const auto view = view_of_layer(box, picture.view.up)) picture.view.direction = *view;
   return picture;
 }

@@ -69,7 +69,7 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
 const ReportSchema& NormalsReport::schema() {
   static constexpr ReportRow rows[] = {
       reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
-      reported_beside<&NormalsReport::noise>(),
+      reported_inline<&NormalsReport::noise>(),
       reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, for new normals"}),
       reported<[](const NormalsReport& r) { return r.check.oriented; }>(
           {.name = "oriented", .text = "Whether the signs are consistent"}),

@@ -15,22 +15,22 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Step of differences of normals in sample spacings, which resolves details and ignores noise.
-constexpr double kBendStep = 1;
+constexpr double kCurvatureStep = 1;
 
 /// Curvature of a field; a projection is first wrapped as a field.
 class ModelCurvature final : public CurvatureField {
  public:
   ModelCurvature(const SurfaceModel& model, double step, Progress& progress)
       : signed_distance_(model.projection() ? std::make_unique<ProjectionField>(*model.projection()) : nullptr),
-        bends_(signed_distance_ ? *signed_distance_ : model.field(progress), step) {}
+        curvatures_(signed_distance_ ? *signed_distance_ : model.field(progress), step) {}
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                std::span<SurfaceCurvature> bends) const override {
-    bends_.evaluate(x, normals, bends);
+                std::span<PrincipalCurvatures> curvatures) const override {
+    curvatures_.evaluate(x, normals, curvatures);
   }
 
  private:
   std::unique_ptr<ProjectionField> signed_distance_;
-  FieldCurvature bends_;
+  LevelSetCurvature curvatures_;
 };
 
 }  // namespace
@@ -49,7 +49,7 @@ std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, 
     std::nth_element(radii.begin(), middle, radii.end());
     spacing = static_cast<double>(*middle);
   }
-  return std::make_unique<ModelCurvature>(model, kBendStep * spacing, progress);
+  return std::make_unique<ModelCurvature>(model, kCurvatureStep * spacing, progress);
 }
 
 std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress) {

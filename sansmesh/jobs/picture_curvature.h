@@ -24,7 +24,7 @@ inline constexpr std::size_t kFewestSamples = 9;
 bool wants_curvature(const RenderOptions& options);
 
 /// Curvature of a surface without a mesh, in its coordinates, from differences of its gradients over one sample spacing
-/// to each side (FieldCurvature).
+/// to each side (LevelSetCurvature).
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress);
 
 /// Curvature estimated at the samples, with a larger support than the surface's own weights, which smooths crests.
@@ -34,7 +34,7 @@ std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, 
 struct CurvedVertices {
   PointSet points;
   LocalFrame frame;
-  std::vector<PrincipalCurvatures> curvatures;
+  std::vector<FittedCurvatures> curvatures;
 };
 
 /// For a mesh whose faces `use` samples: the samples are on flat triangles, so curvatures are estimated at the

@@ -125,7 +125,7 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
 
 const ReportSchema& ProjectReport::schema() {
   static constexpr ReportRow rows[] = {reported<&ProjectReport::method>({.text = "Name of the method"}),
-                                       reported_beside<&ProjectReport::moved>()};
+                                       reported_inline<&ProjectReport::moved>()};
   return report_schema<rows>();
 }
 

@@ -88,7 +88,7 @@ RegionPictures::RegionPictures(const Diagnosis& diagnosis)
       bounds_(bounds(diagnosis.mesh)),
       rays_(RayScene::triangles(diagnosis.mesh.vertices, diagnosis.mesh.triangles)) {}
 
-RegionPictures::View RegionPictures::best_view(const SuspiciousPlace& region, double reach) const {
+RegionPictures::View RegionPictures::best_view(const SuspiciousRegion& region, double reach) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const Vec3 middle = mesh.origin + Vec3(bounds_.center());
   Vec3 normal = region.normal;
@@ -121,7 +121,7 @@ RegionPictures::View RegionPictures::best_view(const SuspiciousPlace& region, do
   return best;
 }
 
-Image RegionPictures::of(const SuspiciousPlace& region, const std::string& text, RenderOptions options,
+Image RegionPictures::of(const SuspiciousRegion& region, const std::string& text, RenderOptions options,
                          Progress& progress) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const double seen =

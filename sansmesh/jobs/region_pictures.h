@@ -21,14 +21,14 @@ class RegionPictures {
   /// multiple of the region's size is drawn. The view is along the normal. If the region is occluded there, the view
   /// with the largest visible share is used; if hardly any of it is visible, the occluder is cut away. The view in
   /// `options` is ignored.
-  Image of(const SuspiciousPlace& region, const std::string& text, RenderOptions options, Progress& progress) const;
+  Image of(const SuspiciousRegion& region, const std::string& text, RenderOptions options, Progress& progress) const;
 
  private:
   struct View {
     Vec3 direction;  ///< towards the viewer
     double seen;     ///< visible share of the region
   };
-  View best_view(const SuspiciousPlace& region, double reach) const;
+  View best_view(const SuspiciousRegion& region, double reach) const;
 
   const Diagnosis& diagnosis_;
   Box3f bounds_;

@@ -119,10 +119,10 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   options.validate();
   SimplifyResult result;
   const TriangleMesh original = mesh;
-  const JoinedVertices places = join_equal_vertices(mesh);
+  const JoinedVertices joined = join_equal_vertices(mesh);
   result.report.vertices = original.vertices.size(), result.report.triangles = original.triangles.size();
-  result.report.joined_vertices = places.joined;
-  if (places.seams > 0) result.notes.push_back(seams_note(places.seams));
+  result.report.joined_vertices = joined.joined;
+  if (joined.seams > 0) result.notes.push_back(seams_note(joined.seams));
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // also drops vertices without triangles
   CollapseOptions collapse;

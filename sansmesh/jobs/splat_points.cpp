@@ -36,14 +36,14 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   }
   progress.begin("curvature");
   // The points are on the surface, so they have no noise.
-  const std::vector<PrincipalCurvatures> bends =
+  const std::vector<FittedCurvatures> curvatures =
       estimate_curvatures(points, {.neighbours = 20, .noise = 0.0}, progress);
   const float spacing =
       static_cast<float>(model.frame().from_input(model.report().spacing)) *
       std::sqrt(static_cast<float>(std::max<std::size_t>(1, given)) / static_cast<float>(points.size()));
   splats.stretches.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const PrincipalCurvatures& c = bends[i];
+    const FittedCurvatures& c = curvatures[i];
     if (!c.defined) continue;
     const bool first = std::abs(c.k1) > std::abs(c.k2);
     const float more = std::abs(first ? c.k1 : c.k2), less = std::abs(first ? c.k2 : c.k1);

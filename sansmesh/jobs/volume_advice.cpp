@@ -53,7 +53,7 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
   const auto samples = volume.samples(progress);
   VolumeAdvice advice;
   advice.facts = samples->facts;
-  VolumeOffer& offer = advice.offer;
+  VolumeAdviceInput& offer = advice.offer;
   offer.values = !dataset.arrays().empty();
   offer.steps = std::max<std::size_t>(dataset.times().size(), 1);
   // Only unstructured cells may be an elastic body.
@@ -88,7 +88,7 @@ std::string share_words(double share) { return fmt::format("{:.2g} %", 100 * sha
 
 std::vector<std::string> summary_of(const VolumeAdvice& advice) {
   const VolumeFacts& facts = advice.facts;
-  const VolumeOffer& offer = advice.offer;
+  const VolumeAdviceInput& offer = advice.offer;
   const VolumeTraits& t = offer.traits;
   if (!offer.values)
     return {fmt::format("{}, {} ({}), no arrays", counted(facts.points, "point"), counted(facts.cells, "cell"),

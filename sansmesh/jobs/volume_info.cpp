@@ -126,7 +126,7 @@ namespace {
 /// Lines about the reconstruction stored in a fitted volume.
 void add_fitted(const HeldReconstruction& fitted, std::vector<std::string>& lines) {
   const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
-  const ReconstructionOptions& o = fitted.options;
+  const VolumeReconstructionOptions& o = fitted.options;
   std::string options;
   const auto add = [&](const char* name, const auto& value) {
     if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);

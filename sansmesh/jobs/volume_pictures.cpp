@@ -114,7 +114,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
       subject.opacity = s.baked_opacity.get();
     }
   }
-  if (options.any_view)
+  if (options.default_view)
     if (const auto view = view_of_layer(s.samples->bounds(), look.picture.view.up)) look.picture.view.direction = *view;
   subject.surfaces = std::move(surfaces);
   if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look.picture));

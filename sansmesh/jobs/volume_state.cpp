@@ -57,7 +57,7 @@ const OptionSchema& VolumeModelOptions::schema() {
       option<&O::array>({.text = "Array, or a component of it: NAME, NAME:0, NAME:x, NAME:magnitude",
                          .unit = "name",
                          .from_data = "a scalar"}),
-      option_group<&O::reconstruction>(ReconstructionOptions::schema().rows),
+      option_group<&O::reconstruction>(VolumeReconstructionOptions::schema().rows),
       option_group<&O::read>(VolumeReadOptions::schema().rows)};
   return option_schema<rows>();
 }
@@ -159,19 +159,19 @@ const VolumeTraits& VolumeModel::traits(Progress& progress) const {
   return *s.traits;
 }
 
-const ReconstructionChoice& VolumeModel::recommended(Progress& progress) const {
+const VolumeReconstructionChoice& VolumeModel::recommended(Progress& progress) const {
   traits(progress);
   return state_->recommended;
 }
 
-ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress) {
-  ReconstructionOptions options = volume.options().reconstruction;
+VolumeReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress) {
+  VolumeReconstructionOptions options = volume.options().reconstruction;
   const FittedVolume* const fitted = dataset_of(volume).fitted();
   if (!options.method && (!fitted || fitted->array != array)) options.method = volume.recommended(progress).method;
   return options;
 }
 
-void VolumeModel::State::keep_report(const VolumeReconstructionReport& of, const ReconstructionOptions& asked) {
+void VolumeModel::State::keep_report(const VolumeReconstructionReport& of, const VolumeReconstructionOptions& asked) {
   if (std::exchange(reported, true)) return;
   report = of;
   // What suits the data was put in here, not by who opened the volume.
@@ -188,7 +188,7 @@ std::shared_ptr<const VolumeField> VolumeModel::field(const ArrayChoice& choice,
   auto made = std::find_if(s.made.begin(), s.made.end(), [&](const State::Made& m) { return m.choice == choice; });
   if (made == s.made.end()) {
     samples(progress);
-    const ReconstructionOptions options = options_for(*this, choice.array, progress);
+    const VolumeReconstructionOptions options = options_for(*this, choice.array, progress);
     VolumeReconstructionReport report;
     auto field = with_name(s.name, [&] { return s.dataset->field(choice, options, progress, &report); });
     s.keep_report(report, options);

@@ -24,13 +24,13 @@ struct VolumeModel::State {
   ArrayChoice choice;
   std::shared_ptr<const SampledVolume> samples;
   std::optional<VolumeTraits> traits;
-  ReconstructionChoice recommended;
+  VolumeReconstructionChoice recommended;
   VolumeReconstructionReport report;
   bool reported = false;
   std::vector<Made> made;
 
   /// Keeps the report of the first field only.
-  void keep_report(const VolumeReconstructionReport& of, const ReconstructionOptions& asked);
+  void keep_report(const VolumeReconstructionReport& of, const VolumeReconstructionOptions& asked);
 };
 
 /// Throws as the constructors of VolumeModel.
@@ -39,6 +39,6 @@ VolumeModel model_of(VolumeDataset dataset, std::string name, const VolumeModelO
 inline VolumeDataset& dataset_of(const VolumeModel& volume) { return *volume.state().dataset; }
 
 /// The given method; otherwise that of a fitted volume, or the recommended one.
-ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress);
+VolumeReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress);
 
 }  // namespace sansmesh::inline v1

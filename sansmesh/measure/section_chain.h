@@ -12,13 +12,13 @@ struct SectionPiece {
 };
 
 struct SectionChain {
-  std::vector<std::uint32_t> places;  ///< in order; the first is not repeated at the end of a closed chain
+  std::vector<std::uint32_t> points;  ///< in order; the first is not repeated at the end of a closed chain
   bool closed = false;
 };
 
 /// Uses every piece once. If equally many pieces begin and end at every point, all chains are closed. Pieces opposed to
 /// the others (on inconsistently oriented surfaces) are reversed. Ordered by the lowest piece of each chain, open
 /// chains first.
-std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, std::size_t places);
+std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, std::size_t points);
 
 }  // namespace sansmesh::inline v1

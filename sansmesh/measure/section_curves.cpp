@@ -20,8 +20,8 @@ Section make_section(const CutPlane& plane, const std::vector<SectionChain>& cha
     SectionCurve curve;
     curve.closed = chain.closed;
     auto& line = curve.plane;
-    for (const std::uint32_t place : chain.places)
-      if (line.empty() || line.back() != points[place]) line.push_back(points[place]);
+    for (const std::uint32_t p : chain.points)
+      if (line.empty() || line.back() != points[p]) line.push_back(points[p]);
     while (curve.closed && line.size() > 1 && line.back() == line.front()) line.pop_back();
     if (line.size() < (curve.closed ? 3u : 2u)) continue;
     // Relative to one of the points, for accuracy far from the origin.

@@ -86,12 +86,12 @@ class PlaneLattice {
   std::size_t node(std::size_t i, std::size_t j) const { return j * columns_ + i; }
   /// NaN outside the box or the domain.
   double value(std::size_t node) const { return values_[node]; }
-  std::array<double, 2> place(std::size_t node) const {
+  std::array<double, 2> plane_coordinates(std::size_t node) const {
     const std::size_t row = node / columns_;
     return {u0_ + step_ * static_cast<double>(node % columns_), v0_ + step_ * static_cast<double>(row)};
   }
   Vec3 at(std::size_t node) const {
-    const auto [u, v] = place(node);
+    const auto [u, v] = plane_coordinates(node);
     return plane_.at(u, v);
   }
 
@@ -207,8 +207,8 @@ std::vector<std::array<double, 2>> zeros(const ScalarField& field, const PlaneLa
   });
   std::vector<std::array<double, 2>> points(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    const auto [u0, v0] = lattice.place(edges[i].inner);
-    const auto [u1, v1] = lattice.place(edges[i].outer);
+    const auto [u0, v0] = lattice.plane_coordinates(edges[i].inner);
+    const auto [u1, v1] = lattice.plane_coordinates(edges[i].outer);
     points[i] = {u0 + (u1 - u0) * where[i], v0 + (v1 - v0) * where[i]};
   }
   return points;

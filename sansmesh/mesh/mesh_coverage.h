@@ -23,18 +23,17 @@ std::vector<std::uint8_t> far_samples(const TriangleMesh& mesh, const PointSet& 
 
 /// Samples without a surface: farther from the mesh than lost_beyond. Tests at most `most` finite samples, at equal
 /// steps. All are lost if the mesh has no triangles.
-FarPlaces find_lost(const TriangleMesh& mesh, const PointSet& samples, double spacing, double noise,
+FarPoints find_lost(const TriangleMesh& mesh, const PointSet& samples, double spacing, double noise,
                     std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// Surface without samples: farther than four spacings (length) from every sample. Tests `places` points, reproducibly
+/// Surface without samples: farther than four spacings (length) from every sample. Tests `count` points, reproducibly
 /// distributed over the area, so that the share is one of the area and large triangles count by their parts. Empty if
 /// the mesh has no area.
-FarPlaces find_invented(const TriangleMesh& mesh, const PointSet& samples, double spacing, std::size_t places);
+FarPoints find_invented(const TriangleMesh& mesh, const PointSet& samples, double spacing, std::size_t count);
 
-/// Both measures, with the estimated spacing and noise of the samples. Tests `places` (>= 1) points on the mesh and all
+/// Both measures, with the estimated spacing and noise of the samples. Tests `count` (>= 1) points on the mesh and all
 /// samples. Origins may differ. Independent of the number of threads. Throws DataError if no sample is finite,
 /// ArgumentError that names `samples` for no points.
-MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t places,
-                              Progress& progress);
+MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t count, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -44,7 +44,7 @@ void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const 
   ++out.vertices;
   spokes.clear();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t c = corners.corner[first + i], t = c / 3, k = c % 3;
+    const std::uint32_t c = corners.entries[first + i], t = c / 3, k = c % 3;
     spokes.push_back({triangles[t][(k + 1) % 3], static_cast<std::uint32_t>(i), true});
     spokes.push_back({triangles[t][(k + 2) % 3], static_cast<std::uint32_t>(i), false});
   }

@@ -17,7 +17,7 @@ constexpr std::string_view kComponents[] = {"auto", "all", "largest"};
 constexpr OptionRow kRows[] = {
     option<&MeshOptions::components>(
         {.text = "Components to keep: auto (those with enough samples), all, largest or a number",
-         .usual_words = kComponents}),
+         .suggestions = kComponents}),
     option<&MeshOptions::fill_holes>({.text = "Close holes of an open surface up to this width",
                                       .unit = "length",
                                       .from_data = "gaps between scan lines",

@@ -225,9 +225,9 @@ void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing,
 
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {
   if (points.size() == 0) return;
-  const FarPlaces lost = find_lost(mesh, points, spacing, noise, kSupportSamples);
+  const FarPoints lost = find_lost(mesh, points, spacing, noise, kSupportSamples);
   report.lost = lost.share;
-  if (report.lost > kMuchLost) report.most_lost = lost.most;
+  if (report.lost > kMuchLost) report.most_lost = lost.densest;
 }
 
 std::string lost_samples(const MeshReport& r) {

@@ -24,7 +24,7 @@ constexpr double kNextTo = 1.5;
 constexpr double kBeyondBorder = 0.45;
 constexpr int kSteps = 3;
 /// Number of samples at which the winding number is evaluated, at most, and depths behind them in spacings.
-constexpr std::size_t kPlaces = 4096;
+constexpr std::size_t kTestedFeet = 4096;
 constexpr std::array<double, 3> kDepths{1, 2, 4};
 /// Mean winding number behind a surface above which it bounds a solid.
 constexpr double kSolid = 0.75;
@@ -48,7 +48,7 @@ std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
 bool bounds_solid(const PointSet& feet, double spacing, double least) {
   std::vector<OrientedPatch> patches;
   std::vector<Vec3f> behind, before;
-  const std::size_t stride = 1 + feet.size() / kPlaces;
+  const std::size_t stride = 1 + feet.size() / kTestedFeet;
   const auto area = static_cast<float>(spacing * spacing);
   for (std::size_t i = 0; i < feet.size(); ++i) {
     const Vec3f &x = feet.positions[i], &n = feet.normals[i];

@@ -62,7 +62,7 @@ std::vector<std::vector<FarTree::Moments>> moments_of(const std::vector<std::vec
     parallel_for(0, levels[l - 1].size(), 256, [&](std::size_t n) {
       const FarTree::Octet &group = levels[l][n / kTreeWidth], &members = levels[l - 1][n];
       const std::size_t lane = n % kTreeWidth;
-      const Vec3 place(Vec3f{group.x[lane], group.y[lane], group.z[lane]});
+      const Vec3 point(Vec3f{group.x[lane], group.y[lane], group.z[lane]});
       for (std::size_t k = 0; k < kTreeWidth; ++k) {
         if (members.radius[k] < 0) continue;
         const Vec3 area(Vec3f{members.ax[k], members.ay[k], members.az[k]});
@@ -73,7 +73,7 @@ std::vector<std::vector<FarTree::Moments>> moments_of(const std::vector<std::vec
         } else {
           own.softened = area * (0.25 * weight), own.widened = 0.25 * weight * weight;
         }
-        const Vec3 d = Vec3(Vec3f{members.x[k], members.y[k], members.z[k]}) - place;
+        const Vec3 d = Vec3(Vec3f{members.x[k], members.y[k], members.z[k]}) - point;
         add_moments(own, d, area, weight, groups[n]);
       }
       store_moments(groups[n], moments[n / kTreeWidth], lane);

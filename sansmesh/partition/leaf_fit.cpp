@@ -101,7 +101,7 @@ bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const Loca
 
 }  // namespace
 
-void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support) {
+void set_surface_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support) {
   support.foot = f.center + f.nu * (f.coefficient[0] * f.scale);
   support.area = f.is_constant() ? 0 : plane_area_in_cube(support.foot, f.nu, lower, edge);
 }
@@ -143,7 +143,7 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.code = tree.level(leaf.level).code[leaf.cell];
   support.level = static_cast<std::uint8_t>(leaf.level);
   const float h = fitter.block_edge(leaf.level);
-  place_patch(f, c - Vec3f{h, h, h} * 0.5f, h, support);
+  set_surface_patch(f, c - Vec3f{h, h, h} * 0.5f, h, support);
   return result;
 }
 

@@ -28,6 +28,6 @@ struct FitWorkspace {
 FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FitWorkspace& ws);
 
 /// Computes foot and area of a support from its function: the patch of surface in its block, the cube [lower, +edge]³.
-void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support);
+void set_surface_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support);
 
 }  // namespace sansmesh::inline v1

@@ -167,7 +167,7 @@ void PaperFitter::borrow_plane(PaperLocal& local) const {
 FittedLeaf leaf_of(const PaperFitter& fitter, const PaperLocal& local) {
   FittedLeaf leaf{local.function, {}, local.support};
   const float h = fitter.block_edge(leaf.support.level);
-  place_patch(leaf.function, leaf.function.center - Vec3f{h, h, h} * 0.5f, h, leaf.support);
+  set_surface_patch(leaf.function, leaf.function.center - Vec3f{h, h, h} * 0.5f, h, leaf.support);
   // A plane borrowed from far away is no surface in this block.
   if (leaf.support.samples == 0) leaf.support.area = 0;
   return leaf;

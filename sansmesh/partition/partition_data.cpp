@@ -65,8 +65,8 @@ bool is_sensible_support(const PartitionData& data, std::size_t i) {
 
 /// Whether b follows a along the Morton curve, without overlap.
 bool in_order(const Support& a, const Support& b) {
-  const auto place = [](int level, std::uint64_t code) { return code << (3 * (kDeepest - level)); };
-  return place(a.level, a.code + 1) <= place(b.level, b.code);
+  const auto start_of = [](int level, std::uint64_t code) { return code << (3 * (kDeepest - level)); };
+  return start_of(a.level, a.code + 1) <= start_of(b.level, b.code);
 }
 
 /// Further pieces follow the functions of the supports, those of each support together and in its order. Therefore

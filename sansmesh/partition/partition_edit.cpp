@@ -231,14 +231,15 @@ Selection in_served_blocks(const PartitionData& data, const Selection& chosen, s
 
 /// The chosen support that is nearest to another along the curve.
 std::uint32_t nearest_of(const PartitionData& data, const Selection& chosen, const Support& support) {
-  const auto place = [](const Support& s) { return curve_position(s.level, s.code); };
-  const std::uint64_t at = place(support);
+  const auto position_of = [](const Support& s) { return curve_position(s.level, s.code); };
+  const std::uint64_t at = position_of(support);
   const auto next = std::lower_bound(chosen.begin(), chosen.end(), at, [&](std::uint32_t i, std::uint64_t position) {
-    return place(data.supports[i]) < position;
+    return position_of(data.supports[i]) < position;
   });
   if (next == chosen.begin()) return *next;
   if (next == chosen.end()) return *std::prev(next);
-  return place(data.supports[*next]) - at < at - place(data.supports[*std::prev(next)]) ? *next : *std::prev(next);
+  return position_of(data.supports[*next]) - at < at - position_of(data.supports[*std::prev(next)]) ? *next
+                                                                                                    : *std::prev(next);
 }
 
 /// Replaces the chosen functions by constants; value_of(i): the constant of the i-th, in radii.
@@ -321,7 +322,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
           leaf.support.coverage = static_cast<float>(coverage(ws.samples));
           leaf.support.error =
               f.scale * std::sqrt(static_cast<float>(fits.mean_square[static_cast<std::size_t>(f.degree)]));
-          place_patch(f, c.lower, c.edge, leaf.support);
+          set_surface_patch(f, c.lower, c.edge, leaf.support);
           continue;
         }
       }

@@ -28,7 +28,7 @@ constexpr double kOpenFarSlope = 10;
 constexpr std::size_t kMostSupports = 400;
 /// Evaluation is in single precision. Balls are widened by these shares of the cube's edge and of the distance from the
 /// origin, ranges by this share of the largest radius and of the values.
-constexpr double kRoundedPlace = 1e-6, kRoundedFar = 0x1p-22, kRoundedValue = 4e-6;
+constexpr double kRoundedPosition = 1e-6, kRoundedFar = 0x1p-22, kRoundedValue = 4e-6;
 
 /// Smallest ball around the intersection of the balls around `a` and `b`, and the range of distances from `a` in it.
 struct Common {
@@ -165,7 +165,7 @@ struct Batch {
     at.clear(), centers.clear(), reach.clear();
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Vec3 p = x[i] - s.data.origin;
-      const double wide = radius + kRoundedPlace * static_cast<double>(s.data.edge) + kRoundedFar * norm(p);
+      const double wide = radius + kRoundedPosition * static_cast<double>(s.data.edge) + kRoundedFar * norm(p);
       found[i] = kNothing;
       if (!std::isfinite(wide) || !is_finite(p)) continue;
       const NearRange near = near_range(s, p, wide, list);

@@ -31,20 +31,20 @@ void radix_sort(std::vector<Item>& items, int bits) {
   constexpr std::uint64_t kMask = kDigits - 1;
   const std::size_t n = items.size(), chunks = chunks_of(n);
   std::vector<Item> other(n);
-  std::vector<std::uint32_t> place(chunks * kDigits);
+  std::vector<std::uint32_t> offsets(chunks * kDigits);
   for (int shift = 0; shift < bits; shift += kDigit) {
     const auto each = [&](std::size_t chunk, auto&& treat) {
-      std::uint32_t* const at = place.data() + chunk * kDigits;
+      std::uint32_t* const at = offsets.data() + chunk * kDigits;
       for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
         treat(items[i], at[items[i].key() >> shift & kMask]);
     };
-    std::fill(place.begin(), place.end(), 0u);
+    std::fill(offsets.begin(), offsets.end(), 0u);
     parallel_for(0, chunks, 1, [&](std::size_t c) { each(c, [](const Item&, std::uint32_t& count) { ++count; }); });
     std::uint32_t sum = 0;
     for (std::size_t d = 0; d < kDigits; ++d)
       for (std::size_t c = 0; c < chunks; ++c) {
-        const std::uint32_t count = place[c * kDigits + d];
-        place[c * kDigits + d] = sum;
+        const std::uint32_t count = offsets[c * kDigits + d];
+        offsets[c * kDigits + d] = sum;
         sum += count;
       }
     parallel_for(0, chunks, 1,
@@ -154,25 +154,25 @@ void SampleTree::build_levels(int deepest) {
   const std::size_t n = positions_.size(), levels = static_cast<std::size_t>(deepest) + 1, chunks = chunks_of(n);
   levels_.assign(levels, {});
   // Start of the cells of each chunk in the tables of each level.
-  std::vector<std::array<std::uint32_t, kMaxDepth + 2>> place(chunks + 1);
+  std::vector<std::array<std::uint32_t, kMaxDepth + 2>> offsets(chunks + 1);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     for_each_start(c, deepest, [&](std::size_t, std::uint64_t, int level) {
-      for (auto l = static_cast<std::size_t>(level); l < levels; ++l) ++place[c + 1][l];
+      for (auto l = static_cast<std::size_t>(level); l < levels; ++l) ++offsets[c + 1][l];
     });
   });
   for (std::size_t c = 0; c < chunks; ++c)
-    for (std::size_t l = 0; l < levels; ++l) place[c + 1][l] += place[c][l];
+    for (std::size_t l = 0; l < levels; ++l) offsets[c + 1][l] += offsets[c][l];
   for (std::size_t l = 0; l < levels; ++l) {
-    const std::size_t cells = place[chunks][l];
+    const std::size_t cells = offsets[chunks][l];
     levels_[l].code.resize(cells);
     levels_[l].begin.resize(cells + 1);
     levels_[l].begin[cells] = static_cast<std::uint32_t>(n);
     if (l + 1 == levels) continue;
     levels_[l].child.resize(cells + 1);
-    levels_[l].child[cells] = place[chunks][l + 1];
+    levels_[l].child[cells] = offsets[chunks][l + 1];
   }
   parallel_for(0, chunks, 1, [&](std::size_t c) {
-    auto next = place[c];
+    auto next = offsets[c];
     for_each_start(c, deepest, [&](std::size_t i, std::uint64_t code, int level) {
       for (auto l = static_cast<std::size_t>(level); l < levels; ++l) {
         const std::uint32_t cell = next[l]++;

@@ -39,7 +39,7 @@ SupportValue support_value(const PartitionData& data, std::uint32_t i, const Vec
 
 /// A point of a support on the surface. The foot of a creased support is on its first piece, possibly beyond the
 /// crease, off the surface.
-Vec3f place_on_surface(const PartitionData& data, std::uint32_t i) {
+Vec3f point_on_surface(const PartitionData& data, std::uint32_t i) {
   const Support& s = data.supports[i];
   if (!s.creased) return s.foot;
   Vec3f x = data.functions[i].center;
@@ -50,12 +50,12 @@ Vec3f place_on_surface(const PartitionData& data, std::uint32_t i) {
   return x;
 }
 
-bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::uint32_t i, std::uint32_t j) {
+bool same_sheet(const PartitionData& data, std::span<const Vec3f> surface_points, std::uint32_t i, std::uint32_t j) {
   const Support &a = data.supports[i], &b = data.supports[j];
   const float edge = data.edge / static_cast<float>(1u << std::max(a.level, b.level));
   if (!a.creased && !b.creased && dot(data.functions[i].nu, data.functions[j].nu) <= 0) return false;
-  const bool there = std::abs(support_value(data, i, places[j]).value) <= kAgreement * edge;
-  const bool back = std::abs(support_value(data, j, places[i]).value) <= kAgreement * edge;
+  const bool there = std::abs(support_value(data, i, surface_points[j]).value) <= kAgreement * edge;
+  const bool back = std::abs(support_value(data, j, surface_points[i]).value) <= kAgreement * edge;
   // A support with hardly any samples beyond a crease continues a face past it, where no neighbour agrees.
   return a.creased || b.creased ? there || back : there && back;
 }
@@ -91,7 +91,7 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
   std::vector<Vec3f> feet(n);
   std::vector<float> reach(n);
   parallel_for(0, n, 8192, [&](std::size_t i) {
-    feet[i] = place_on_surface(data, static_cast<std::uint32_t>(i));
+    feet[i] = point_on_surface(data, static_cast<std::uint32_t>(i));
     reach[i] = data.edge / static_cast<float>(1u << data.supports[i].level) * 1.8f;
   });
   const BallTree tree(feet, reach);

@@ -42,8 +42,8 @@ constexpr double kTellableOverSpacing = 0.1;
 constexpr double kMostLossLeft = 0.9;
 constexpr double kWarpedOverNoise = 2;
 
-/// Point of the surface of a scan.
-struct SurfacePlace {
+/// Foot of a query point on the surface of a scan.
+struct ScanFoot {
   double height = 0;  ///< height of the query point over the surface along the normal
   Vec3 normal;        ///< unit normal on the side of the samples' normals
 };
@@ -71,8 +71,8 @@ struct SurfaceScratch {
 
 /// Evaluates the quadric through the samples of a scan nearest to q; nothing if the scan has no surface within `reach`.
 /// `others` skips a sample at q itself; `radius` returns the distance of the farthest sample used.
-std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan, const Vec3& q, double reach,
-                                       bool others, SurfaceScratch& scratch, double* radius = nullptr) {
+std::optional<ScanFoot> surface_at(const PointSet& points, const Scan& scan, const Vec3& q, double reach, bool others,
+                                   SurfaceScratch& scratch, double* radius = nullptr) {
   scratch.near.resize(scan.neighbours + (others ? 1 : 0));
   const std::size_t found = scan.tree.nearest(Vec3f(q), scratch.near);
   std::span<const Neighbour> near(scratch.near.data(), found);
@@ -110,14 +110,14 @@ std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan,
   }
   a.diagonal().array() += 1e-9 * static_cast<double>(near.size());
   const Six c = a.ldlt().solve(b);
-  SurfacePlace place;
-  place.normal = frame.axes[0] - frame.axes[2] * c[1] - frame.axes[1] * c[2];
-  const double length = norm(place.normal);
-  place.height = -c[0] * widest / length;
-  place.normal = place.normal / length;
-  if (dot(place.normal, normal_sum) < 0) place.normal = -place.normal, place.height = -place.height;
-  if (!std::isfinite(place.height)) return std::nullopt;
-  return place;
+  ScanFoot foot;
+  foot.normal = frame.axes[0] - frame.axes[2] * c[1] - frame.axes[1] * c[2];
+  const double length = norm(foot.normal);
+  foot.height = -c[0] * widest / length;
+  foot.normal = foot.normal / length;
+  if (dot(foot.normal, normal_sum) < 0) foot.normal = -foot.normal, foot.height = -foot.height;
+  if (!std::isfinite(foot.height)) return std::nullopt;
+  return foot;
 }
 
 void choose_samples(const PointSet& points, std::size_t most, Scan& scan) {
@@ -141,15 +141,15 @@ void choose_samples(const PointSet& points, std::size_t most, Scan& scan) {
 
 /// Estimates the spacing and noise of a scan.
 void measure_scan(const PointSet& points, Scan& scan) {
-  const std::size_t places = std::min<std::size_t>(scan.chosen.size(), 400);
-  std::vector<std::optional<std::array<double, 2>>> found(places);
-  parallel_ranges(0, places, 32, [&](std::size_t first, std::size_t last) {
+  const std::size_t count = std::min<std::size_t>(scan.chosen.size(), 400);
+  std::vector<std::optional<std::array<double, 2>>> found(count);
+  parallel_ranges(0, count, 32, [&](std::size_t first, std::size_t last) {
     SurfaceScratch scratch;
     for (std::size_t k = first; k < last; ++k) {
-      const Vec3 q(points.positions[scan.chosen[k * scan.chosen.size() / places]]);
+      const Vec3 q(points.positions[scan.chosen[k * scan.chosen.size() / count]]);
       double radius = 0;
-      const auto place = surface_at(points, scan, q, 1e30, true, scratch, &radius);
-      if (place) found[k] = {std::abs(place->height), radius};
+      const auto foot = surface_at(points, scan, q, 1e30, true, scratch, &radius);
+      if (foot) found[k] = {std::abs(foot->height), radius};
     }
   });
   std::vector<double> heights, radii;
@@ -174,7 +174,7 @@ bool box_near(const Box3& box, const Vec3& q, double reach) {
 struct Comparison {
   std::uint32_t of, to;
   double height;
-  Vec3 place, normal;
+  Vec3 position, normal;
 };
 
 /// Compares every `every`-th chosen sample.
@@ -191,7 +191,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
       for (std::size_t k = c * kChunk; k < std::min(count, (c + 1) * kChunk); ++k) {
         const std::uint32_t i = chosen[k * every];
         const Vec3 p = motions[s](Vec3(points.positions[i]));
-        const Vec3 n = motions[s].turn(Vec3(points.normals[i]));
+        const Vec3 n = motions[s].rotate(Vec3(points.normals[i]));
         for (std::size_t t = 0; t < scans.size(); ++t) {
           if (t == s) continue;
           const Vec3 q = motions[t].back(p);
@@ -199,7 +199,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
           const double aside = 1.5 * scans[t].spacing;
           const auto there = surface_at(points, scans[t], q, std::hypot(reach, aside), false, scratch);
           if (!there || std::abs(there->height) > reach) continue;
-          const Vec3 normal = motions[t].turn(there->normal);
+          const Vec3 normal = motions[t].rotate(there->normal);
           if (dot(normal, n) < kLeastNormalCosine) continue;
           parts[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t), there->height, p, normal});
         }
@@ -230,7 +230,7 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
   const auto row_of = [&](const Comparison& c, std::uint32_t s, double sign) {
-    const Vec3 turn = cross(c.place - centers[s], c.normal) / scans[s].radius;
+    const Vec3 turn = cross(c.position - centers[s], c.normal) / scans[s].radius;
     Six row;
     row << c.normal.x, c.normal.y, c.normal.z, turn.x, turn.y, turn.z;
     return Six(sign * row);
@@ -426,8 +426,8 @@ void move_scans(PointSet& points, const std::vector<Similarity>& motions) {
     if (!known(points.scan_of_point[i])) return;
     const Similarity& m = motions[points.scan_of_point[i]];
     points.positions[i] = Vec3f(m(Vec3(points.positions[i])));
-    if (!points.normals.empty()) points.normals[i] = Vec3f(m.turn(Vec3(points.normals[i])));
-    if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.turn(Vec3(points.grid_normals[i])));
+    if (!points.normals.empty()) points.normals[i] = Vec3f(m.rotate(Vec3(points.normals[i])));
+    if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.rotate(Vec3(points.grid_normals[i])));
   });
   for (std::size_t s = 0; s < std::min(points.scanners.size(), motions.size()); ++s)
     points.scanners[s] = Vec3f(motions[s](Vec3(points.scanners[s])));

@@ -62,11 +62,11 @@ Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional
   build(samples, fill.value_or(0), kLeastLocal * spacing);
 }
 
-Coverage::Coverage(std::span<const Vec3f> places, std::span<const float> spacings, std::optional<double> fill) {
-  const KdTree tree(places);
+Coverage::Coverage(std::span<const Vec3f> points, std::span<const float> spacings, std::optional<double> fill) {
+  const KdTree tree(points);
   all_.samples = tree.positions();
   for (const std::uint32_t i : tree.order()) all_.reach.push_back(static_cast<float>(kReachOverSpacing) * spacings[i]);
-  build(places, fill.value_or(0), 0);
+  build(points, fill.value_or(0), 0);
 }
 
 void Coverage::build(std::span<const Vec3f> samples, double fill, double least) {

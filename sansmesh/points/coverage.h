@@ -27,7 +27,7 @@ class Coverage : public ScalarField {
   Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill = {});
 
   /// From points that represent samples with these spacings (lengths, one per point).
-  Coverage(std::span<const Vec3f> places, std::span<const float> spacings, std::optional<double> fill = {});
+  Coverage(std::span<const Vec3f> points, std::span<const float> spacings, std::optional<double> fill = {});
 
   Box3 bounds() const override { return bounds_; }
   /// Gradients are not available: they are zero.

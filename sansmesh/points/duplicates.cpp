@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kFewestSampled = 100000;
 
 /// Sampling rate for larger clouds, and the number of sampled points at a position that makes it crowded.
-constexpr std::size_t kSampledOf = 64, kManyAtOnePlace = 8;
+constexpr std::size_t kSampledOf = 64, kManyAtOnePosition = 8;
 
 double repeated_share(std::vector<std::uint64_t> hashes) {
   if (hashes.empty()) return 0;
@@ -23,9 +23,9 @@ double repeated_share(std::vector<std::uint64_t> hashes) {
   return 1 - static_cast<double>(unique) / count;
 }
 
-/// Ascending hashes of positions that many samples share, from one sample per stretch at a pseudo-random place: with
+/// Ascending hashes of positions that many samples share, from one sample per stretch at a pseudo-random index: with
 /// regular steps, the rows of a scan would always contribute the same columns.
-std::vector<std::uint64_t> crowded_places(const PointSet& points) {
+std::vector<std::uint64_t> crowded_positions(const PointSet& points) {
   std::vector<std::uint64_t> some, crowded;
   for (std::size_t first = 0; first < points.size(); first += kSampledOf) {
     const std::size_t length = std::min(kSampledOf, points.size() - first);
@@ -35,7 +35,7 @@ std::vector<std::uint64_t> crowded_places(const PointSet& points) {
   std::sort(some.begin(), some.end());
   for (std::size_t first = 0, last = 0; first < some.size(); first = last) {
     while (last < some.size() && some[last] == some[first]) ++last;
-    if (last - first >= kManyAtOnePlace) crowded.push_back(some[first]);
+    if (last - first >= kManyAtOnePosition) crowded.push_back(some[first]);
   }
   return crowded;
 }
@@ -46,7 +46,7 @@ double duplicate_share(const PointSet& points) {
   const bool whole = points.size() < kFewestSampled;
   const std::uint64_t mask = whole ? 0 : kSampledOf - 1;
   // Selection by position would count a crowded position entirely or not at all.
-  const std::vector<std::uint64_t> crowded = whole ? std::vector<std::uint64_t>() : crowded_places(points);
+  const std::vector<std::uint64_t> crowded = whole ? std::vector<std::uint64_t>() : crowded_positions(points);
   std::size_t finite = 0, in_crowds = 0;
   std::vector<std::uint64_t> hashes;
   for (const Vec3f& p : points.positions) {

@@ -24,7 +24,7 @@ constexpr std::size_t kCoarse = 30000;  ///< samples in the tree that estimates 
 constexpr std::size_t kLookedAt = 4096, kPile = 32;
 constexpr double kPileShare = 0.01;
 
-// One finite sample from each of `count` equal ranges of the file order, at a pseudo-random but fixed place: even over
+// One finite sample from each of `count` equal ranges of the file order, at a pseudo-random but fixed index: even over
 // scan lines, without aliasing with their period.
 std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, std::uint64_t seed) {
   const std::size_t n = points.size();
@@ -172,9 +172,9 @@ class NearestOffsets {
   float farthest_ = std::numeric_limits<float>::infinity();
 };
 
-Neighbourhood as_neighbourhood(const Vec3f& place, std::span<const Vec3f> offsets) {
+Neighbourhood as_neighbourhood(const Vec3f& center, std::span<const Vec3f> offsets) {
   Neighbourhood result;
-  result.place = place;
+  result.center = center;
   result.offsets.assign(offsets.begin(), offsets.end());
   result.distances.reserve(offsets.size());
   for (const Vec3f& o : offsets) result.distances.push_back(norm(o));
@@ -194,7 +194,7 @@ bool lies_in_piles(std::span<const Vec3f> points) {
 
 }  // namespace
 
-std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size) {
+std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t count, std::size_t size) {
   const std::size_t n = points.size();
   const Box3f box = parallel_reduce(
       n, kSearchChunk, Box3f{},
@@ -208,11 +208,11 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
         a.extend(b);
         return a;
       });
-  if (box.empty() || places == 0 || size == 0) return {};
-  if (lies_in_piles(points)) return sample_neighbourhoods(different_positions(points), places, size);
+  if (box.empty() || count == 0 || size == 0) return {};
+  if (lies_in_piles(points)) return sample_neighbourhoods(different_positions(points), count, size);
 
   const std::vector<Vec3f> coarse_points = stratified(points, kCoarse, 1);
-  const std::vector<Vec3f> centers = stratified(points, places, 0x5a5a5a5a);
+  const std::vector<Vec3f> centers = stratified(points, count, 0x5a5a5a5a);
   const double ratio = static_cast<double>(n) / static_cast<double>(std::min(n, kCoarse));
   const std::vector<float> radii = choose_radii(KdTree(coarse_points), ratio, centers, size);
   std::vector<float> sorted = radii;

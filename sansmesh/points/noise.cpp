@@ -21,7 +21,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPlaces = 320;
+constexpr std::size_t kNeighbourhoods = 320;
 constexpr std::array<std::size_t, 9> kScales{24, 34, 48, 68, 96, 136, 192, 272, 384};
 constexpr std::size_t kCoefficients = 6;
 /// d log(residual) / d log(size): about 0 for noise, 1.5 for the cubic terms of a smooth surface, at least 0.5 for
@@ -127,7 +127,7 @@ double step_of_coordinates(const PointSet& points, double residual, double spaci
 double estimate_noise(const PointSet& points) { return measure_noise(points).deviation; }
 
 NoiseEstimate measure_noise(const PointSet& points) {
-  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kPlaces, kScales.back());
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kNeighbourhoods, kScales.back());
   std::vector<std::array<std::optional<double>, kScales.size()>> residuals(sample.size());
   parallel_ranges(0, sample.size(), 16, [&](std::size_t first, std::size_t last) {
     Quadric scratch;
@@ -137,16 +137,16 @@ NoiseEstimate measure_noise(const PointSet& points) {
           residuals[p][s] = residual_deviation(sample[p], kScales[s], scratch);
   });
 
-  // Typical residual per scale, over the scales that most places reach.
+  // Typical residual per scale, over the scales that most neighbourhoods reach.
   std::vector<double> scale, deviation;
   float largest_coordinate = 0;
   for (const Neighbourhood& n : sample)
-    for (std::size_t k = 0; k < 3; ++k) largest_coordinate = std::max(largest_coordinate, std::abs(n.place[k]));
+    for (std::size_t k = 0; k < 3; ++k) largest_coordinate = std::max(largest_coordinate, std::abs(n.center[k]));
   const double rounding = 0.5 * std::numeric_limits<float>::epsilon() * static_cast<double>(largest_coordinate);
   for (std::size_t s = 0; s < kScales.size(); ++s) {
     std::vector<double> values;
-    for (const auto& place : residuals)
-      if (place[s]) values.push_back(*place[s]);
+    for (const auto& residual : residuals)
+      if (residual[s]) values.push_back(*residual[s]);
     if (values.empty() || values.size() * 2 < sample.size()) break;
     scale.push_back(std::log(static_cast<double>(kScales[s])));
     deviation.push_back(std::max(median(values), rounding));

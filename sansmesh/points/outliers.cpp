@@ -57,22 +57,22 @@ struct RobustPlane {
 
   double height(const Vec3f& at) const { return dot(Vec3(at) - through, normal); }
 
-  explicit RobustPlane(std::span<const Vec3f> places) {
-    std::vector<double> weights(places.size(), 1), heights;
+  explicit RobustPlane(std::span<const Vec3f> points) {
+    std::vector<double> weights(points.size(), 1), heights;
     for (int round = 0; round < kPlaneRounds; ++round) {
       double total = 0;
       through = {};
-      for (std::size_t i = 0; i < places.size(); ++i) through += Vec3(places[i]) * weights[i], total += weights[i];
+      for (std::size_t i = 0; i < points.size(); ++i) through += Vec3(points[i]) * weights[i], total += weights[i];
       if (!(total > 0)) return;
       through = through / total;
       Symmetric3 spread;
-      for (std::size_t i = 0; i < places.size(); ++i) spread.add(Vec3(places[i]) - through, weights[i]);
+      for (std::size_t i = 0; i < points.size(); ++i) spread.add(Vec3(points[i]) - through, weights[i]);
       normal = smallest_axis(spread);
       heights.clear();
-      for (const Vec3f& p : places) heights.push_back(std::abs(height(p)));
+      for (const Vec3f& p : points) heights.push_back(std::abs(height(p)));
       std::vector<double> sorted = heights;
       deviation = kDeviationOverMedian * median(sorted);
-      for (std::size_t i = 0; i < places.size(); ++i) {  // Geman–McClure
+      for (std::size_t i = 0; i < points.size(); ++i) {  // Geman–McClure
         const double t = heights[i] / (3 * deviation + 1e-30), w = 1 / (1 + t * t);
         weights[i] = w * w;
       }
@@ -162,11 +162,11 @@ class OutlierSearch {
         const bool sparser = spacing_[s] > kSparser * around_[s] && around_[s] > 0;
         const bool rough = !thick && !sparser && looks_scattered(tree_, nearest(s));
         if (!part && !sparser && !rough) continue;
-        const Vec3f place = tree_.position(s);
-        const std::size_t count = tree_.nearest(place, found);
+        const Vec3f center = tree_.position(s);
+        const std::size_t count = tree_.nearest(center, found);
         offsets.clear();
         for (const Neighbour& other : std::span(found).first(count))
-          if (other.squared_distance > 0) offsets.push_back(points_.positions[other.index] - place);
+          if (other.squared_distance > 0) offsets.push_back(points_.positions[other.index] - center);
         if (offsets.size() < kNeighbours) continue;
         // A rod is not flat for many neighbours, a noisy sheet not for few; neither is scattered.
         const bool shown = norm(offsets.back()) > 2 * beside_steps_;

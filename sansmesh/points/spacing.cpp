@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kSpacingPlaces = 500;
+constexpr std::size_t kSpacingNeighbourhoods = 500;
 constexpr std::size_t kNear = 24;    ///< neighbours for the spacing of a clean cloud
 constexpr std::size_t kWide = 200;   ///< neighbours if noise hides the surface from the nearest ones
 constexpr double kThickness = 0.35;  ///< ratio of deviations across and along the surface above which noise hides it
@@ -37,7 +37,7 @@ double flattened_spacing(const Neighbourhood& neighbourhood) {
 }  // namespace
 
 double estimate_spacing(const PointSet& points) {
-  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kSpacingPlaces, kWide);
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kSpacingNeighbourhoods, kWide);
   std::vector<double> spacing, thickness, flattened;
   for (const Neighbourhood& neighbourhood : sample) {
     const std::size_t k = std::min(kNear, neighbourhood.offsets.size() - 1);

@@ -15,10 +15,10 @@ namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Total numbers of evaluation points and of source samples, over all parts.
-constexpr std::size_t kWindingPlaces = 1500, kWindingSources = 10000;
+constexpr std::size_t kWindingTests = 1500, kWindingSources = 10000;
 /// Least number of samples of a part for a meaningful mean.
 constexpr std::size_t kFewestOfPart = 200;
-constexpr std::size_t kNearPlaces = 12;
+constexpr std::size_t kNearTests = 12;
 /// Width of the smoothing in noise levels, or spacings of the sources.
 constexpr double kSmoothed = 2;
 /// Largest relative deviation from the typical winding number.
@@ -32,11 +32,11 @@ std::vector<std::uint32_t> every(const std::vector<std::uint32_t>& list, std::si
 }
 
 /// Winding numbers up to a constant factor.
-std::vector<double> winding_at(const RelationGraph& graph, const std::vector<std::uint32_t>& places,
+std::vector<double> winding_at(const RelationGraph& graph, const std::vector<std::uint32_t>& tests,
                                const std::vector<std::uint32_t>& sources, double width) {
-  std::vector<double> winding(places.size());
-  parallel_for(0, places.size(), 32, [&](std::size_t i) {
-    const Vec3 x(graph.positions()[places[i]]);
+  std::vector<double> winding(tests.size());
+  parallel_for(0, tests.size(), 32, [&](std::size_t i) {
+    const Vec3 x(graph.positions()[tests[i]]);
     double sum = 0;
     for (const std::uint32_t s : sources) {
       const Vec3 d = Vec3(graph.positions()[s]) - x;
@@ -48,15 +48,15 @@ std::vector<double> winding_at(const RelationGraph& graph, const std::vector<std
   return winding;
 }
 
-std::vector<double> mean_nearby(const RelationGraph& graph, const std::vector<std::uint32_t>& places,
+std::vector<double> mean_nearby(const RelationGraph& graph, const std::vector<std::uint32_t>& tests,
                                 const std::vector<double>& values) {
   std::vector<Vec3f> positions;
-  positions.reserve(places.size());
-  for (const std::uint32_t s : places) positions.push_back(graph.positions()[s]);
+  positions.reserve(tests.size());
+  for (const std::uint32_t s : tests) positions.push_back(graph.positions()[s]);
   const KdTree tree(positions);
   std::vector<double> means(values.size());
   parallel_for(0, means.size(), 256, [&](std::size_t i) {
-    std::array<Neighbour, kNearPlaces> near;
+    std::array<Neighbour, kNearTests> near;
     const std::size_t n = tree.nearest(positions[i], near);
     for (std::size_t k = 0; k < n; ++k) means[i] += values[near[k].index] / static_cast<double>(n);
   });
@@ -72,7 +72,7 @@ double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> 
   std::vector<std::vector<std::uint32_t>> members(open.size());
   for (std::size_t s = 0; s < n; ++s)
     if (!open[part[s]]) members[part[s]].push_back(static_cast<std::uint32_t>(s));
-  const std::size_t step = 1 + n / kWindingPlaces, source_step = 1 + n / kWindingSources;
+  const std::size_t step = 1 + n / kWindingTests, source_step = 1 + n / kWindingSources;
   std::vector<float> area = graph.area();
   const double spacing = std::sqrt(std::numbers::pi * static_cast<double>(median(area)) *
                                    static_cast<double>(source_step) / static_cast<double>(graph.degree()));
@@ -82,16 +82,16 @@ double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> 
     if (of.size() < kFewestOfPart) continue;
     // Small parts are evaluated more densely, so that there is a mean.
     const std::size_t own_step = std::min(step, of.size() / kFewestOfPart);
-    const std::vector<std::uint32_t> places = every(of, own_step);
+    const std::vector<std::uint32_t> tests = every(of, own_step);
     const std::vector<double> winding =
-        mean_nearby(graph, places, winding_at(graph, places, every(of, std::min(source_step, own_step)), width));
+        mean_nearby(graph, tests, winding_at(graph, tests, every(of, std::min(source_step, own_step)), width));
     double sum = 0, squares = 0;
     for (const double w : winding) sum += w, squares += w * w;
     const double typical = sum != 0 ? squares / sum : 0;
     const auto off = static_cast<double>(std::count_if(winding.begin(), winding.end(), [&](double w) {
       return !(std::abs(w - typical) <= kOff * std::abs(typical));
     }));
-    doubtful += off / static_cast<double>(places.size()) * static_cast<double>(of.size());
+    doubtful += off / static_cast<double>(tests.size()) * static_cast<double>(of.size());
   }
   return doubtful / static_cast<double>(n);
 }

@@ -47,7 +47,7 @@ CreaseZone::CreaseZone(const PiecewiseField& f, std::vector<Triangle> triangles,
 }
 
 void CreaseZone::resolve() {
-  place_on_pieces();
+  move_onto_pieces();
   merge_coincident();
   snap();
   split();
@@ -87,7 +87,7 @@ bool CreaseZone::crosses(std::uint32_t a, std::uint32_t b) const {
   return label[a].rank > 0 && label[b].rank > 0 && common(label[a].pieces, label[b].pieces).count == 0;
 }
 
-void CreaseZone::place_on_pieces() {
+void CreaseZone::move_onto_pieces() {
   const std::size_t n = x.size();
   std::vector<std::uint32_t> active(n), other(n);
   field.active(x, active);

@@ -40,7 +40,7 @@ struct CreaseZone {
   /// Runs all steps below, in this order.
   void resolve();
   /// Moves each vertex onto the piece that is active there.
-  void place_on_pieces();
+  void move_onto_pieces();
   /// Moves vertices close to a crease or a corner onto it.
   void snap();
   /// Flips edges between vertices without a common piece, or adds a vertex on the crease that they cross.

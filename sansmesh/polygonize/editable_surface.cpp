@@ -13,7 +13,7 @@ EditableSurface::EditableSurface(std::vector<Triangle> triangles, std::size_t ve
       const auto h = static_cast<std::uint32_t>(3 * t + k);
       const std::uint32_t a = from(h), b = to(h);
       for (std::uint32_t i = corners.first[b]; i < corners.first[b + 1]; ++i)
-        if (to(corners.corner[i]) == a) twin_[h] = corners.corner[i];
+        if (to(corners.entries[i]) == a) twin_[h] = corners.entries[i];
     }
   });
   for (std::uint32_t h = 0; h < twin_.size(); ++h) {

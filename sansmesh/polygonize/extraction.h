@@ -98,9 +98,9 @@ class Extraction {
       if (accept(a.pattern->slots[s])) (inside(numbers_[a.first + s]) ? any_in : any_out) = true;
     return any_in && any_out;
   }
-  /// The surface is followed from many places concurrently, which scatters numbers and blocks. Sorts the crossed blocks
-  /// into the tree's order, along a space-filling curve, and renumbers their lattice vertices in that order: neighbours
-  /// in space become neighbours in memory, also in all derived data.
+  /// The surface is followed from many starting points concurrently, which scatters numbers and blocks. Sorts the
+  /// crossed blocks into the tree's order, along a space-filling curve, and renumbers their lattice vertices in that
+  /// order: neighbours in space become neighbours in memory, also in all derived data.
   void put_in_order();
 
   /// Name of the surface vertex on the lattice edge from `in` to `out`.

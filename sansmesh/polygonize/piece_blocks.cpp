@@ -12,14 +12,14 @@ namespace {
 
 constexpr int kLeastLevel = 3;
 /// Largest product of a block's edge and a piece's curvature: the piece is then one sheet in the block.
-constexpr double kMostBend = 0.7;
+constexpr double kMostCurvature = 0.7;
 /// Smallest block edge as a fraction of the root's; tips end here.
 constexpr double kSmallest = 3.2e-5;
 /// Triangles of a block with edge e are about e/2 wide. Straddling a surface of curvature κ, their mean error is
 /// κ(e/2)²/24. For a singly curved surface it would be half, but simplification consumes most of that gain;
-/// kOneWayShare is the measured factor.
+/// kSinglyCurvedShare is the measured factor.
 constexpr double kErrorShare = 1.0 / 96;
-constexpr double kOneWayShare = 0.7;
+constexpr double kSinglyCurvedShare = 0.7;
 /// Half the block's diagonal plus the largest move of lattice vertices (piece_cut.cpp), over the block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
 /// Blocks with more pieces, or more planes (limited by the cost of cutting), are divided further; for planes only down
@@ -41,7 +41,7 @@ constexpr double kWorthALargerRoot = 0.9;
 constexpr double kErrorOfLargest = 0.8;
 
 double error_share(const PieceExpression& field, std::uint32_t piece) {
-  return field.bends_one_way(piece) ? kOneWayShare * kErrorShare : kErrorShare;
+  return field.singly_curved(piece) ? kSinglyCurvedShare * kErrorShare : kErrorShare;
 }
 
 struct Chooser {
@@ -55,7 +55,7 @@ struct Chooser {
   struct Seen {
     std::array<double, 9> value{};
     Vec3 gradient;
-    bool bends = false;
+    bool curved = false;
     std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of its operands and itself
   };
 
@@ -80,23 +80,23 @@ struct Chooser {
   Verdict look(const Vec3& center, double edge, std::span<const PieceNode> nodes) const {
     thread_local std::vector<Seen> seen;
     const double radius = kReachOfBlock * edge;
-    bool curved = false, bent = false, tiny = false, coarse = false;
+    bool curved = false, strongly_curved = false, tiny = false, coarse = false;
     std::size_t count = 0;
     for (const PieceNode& n : nodes) {
       if (n.kind != PieceNode::Kind::piece) continue;
       ++count;
-      const double bend = field.bend(n.a, center, radius);
-      curved = curved || bend > 0;
-      bent = bent || bend * edge > kMostBend;
-      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has unbounded curvature
-      coarse = coarse || bend * edge * edge * error_share(field, n.a) > options.mesh_error;
+      const double curvature = field.curvature_bound(n.a, center, radius);
+      curved = curved || curvature > 0;
+      strongly_curved = strongly_curved || curvature * edge > kMostCurvature;
+      tiny = tiny || (curvature * edge > kMostCurvature && std::isfinite(curvature));  // a tip has unbounded curvature
+      coarse = coarse || curvature * edge * edge * error_share(field, n.a) > options.mesh_error;
     }
     if (options.cell > 0) {
       if (edge <= 1.0001 * options.cell) return tiny ? Verdict::too_small : Verdict::fine;
       if (curved) return Verdict::cut;
     }
     if (edge < kSmallest * scale) return tiny ? Verdict::too_small : Verdict::fine;
-    if (bent) return Verdict::cut_if_allowed;
+    if (strongly_curved) return Verdict::cut_if_allowed;
     if (count > kManyPieces) count = distinct_pieces(nodes);
     const std::size_t most_planes = edge < kSmallestOfPlanes * scale ? kMostPiecesInBlock : kManyPlanes;
     if (count > (curved ? kManyPieces : most_planes)) return Verdict::cut_if_allowed;
@@ -117,7 +117,7 @@ struct Chooser {
         std::array<Vec3, 9> gradient;
         field.evaluate_piece(n.a, x, now.value, gradient);
         now.gradient = gradient[0];
-        now.bends = field.bend(n.a, center, radius) > 0;
+        now.curved = field.curvature_bound(n.a, center, radius) > 0;
         now.pieces.push_back(i);
         continue;
       }
@@ -127,7 +127,7 @@ struct Chooser {
         now.value[k] = least ? std::min(a.value[k], b.value[k]) : std::max(a.value[k], b.value[k]);
       for (const std::uint32_t p : a.pieces)
         for (const std::uint32_t q : b.pieces)
-          if ((seen[p].bends || seen[q].bends) && too_close(seen[p], a, seen[q], b, offset, edge))
+          if ((seen[p].curved || seen[q].curved) && too_close(seen[p], a, seen[q], b, offset, edge))
             return Verdict::cut_if_allowed;
       now.pieces = a.pieces;
       now.pieces.insert(now.pieces.end(), b.pieces.begin(), b.pieces.end());
@@ -238,12 +238,12 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
         const double e = tree.block_edge(m.block);
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
           if (c.nodes[i].kind != PieceNode::Kind::piece) continue;
-          const double bend = field.bend(c.nodes[i].a, tree.block_center(m.block), kReachOfBlock * e);
-          if (!(bend > 0) || !std::isfinite(bend)) continue;
+          const double curvature = field.curvature_bound(c.nodes[i].a, tree.block_center(m.block), kReachOfBlock * e);
+          if (!(curvature > 0) || !std::isfinite(curvature)) continue;
           const double coarsest =
-              std::sqrt(kErrorOfLargest * options.mesh_error / (bend * error_share(field, c.nodes[i].a)));
-          const double allowed = std::min(kErrorOfLargest * kMostBend / bend, coarsest);
-          if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (bend * bend))});
+              std::sqrt(kErrorOfLargest * options.mesh_error / (curvature * error_share(field, c.nodes[i].a)));
+          const double allowed = std::min(kErrorOfLargest * kMostCurvature / curvature, coarsest);
+          if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (curvature * curvature))});
         }
       }
   }

@@ -230,7 +230,7 @@ float PieceCutter<Bits>::room_beside(std::size_t piece, const Vec3& x) const {
     // with any triangles.
     const double gap = std::abs(own + value);
     if (gap >= room || dot(normal, other) > kFacing * norm(normal) * norm(other)) continue;
-    if (field_.bend(pieces_[piece], x, 0) > 0 || field_.bend(pieces_[q], x, 0) > 0) room = gap;
+    if (field_.curvature_bound(pieces_[piece], x, 0) > 0 || field_.curvature_bound(pieces_[q], x, 0) > 0) room = gap;
   }
   return static_cast<float>(room);
 }

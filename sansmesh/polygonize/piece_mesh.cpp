@@ -44,8 +44,8 @@ void choose_pieces(const PiecewiseField& field, const PieceSet& pieces, Meeting&
 
 bool stays_good(const PieceMesh& mesh, const VertexCorners& corners, std::uint32_t v, const Vec3& to) {
   for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-    const Triangle& t = mesh.triangles[corners.corner[i] / 3];
-    const std::uint32_t k = corners.corner[i] % 3;
+    const Triangle& t = mesh.triangles[corners.entries[i] / 3];
+    const std::uint32_t k = corners.entries[i] % 3;
     const Vec3 &p = mesh.x[t[(k + 1) % 3]], &q = mesh.x[t[(k + 2) % 3]];
     const Vec3 before = cross(p - mesh.x[v], q - mesh.x[v]), after = cross(p - to, q - to);
     if (dot(before, after) < kLeastTurn * norm(before) * norm(after)) return false;
@@ -92,7 +92,7 @@ void balance_pieces(const PiecewiseField& field, PieceMesh& mesh) {
     double sum = 0, count = 0, edge = 0;
     Vec3 normal;
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-      const std::uint32_t s = slot[corners.corner[i] / 3];
+      const std::uint32_t s = slot[corners.entries[i] / 3];
       if (s == PieceMesh::kNone) return;
       sum += middle[s].value;
       normal += normalized(middle[s].gradient);
@@ -125,7 +125,7 @@ PieceMesh recall_pieces(const PiecewiseField& field, std::vector<Vec3> x, std::v
     PieceSet pieces;
     double shortest = std::numeric_limits<double>::max();
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-      const std::uint32_t t = corners.corner[i] / 3, k = corners.corner[i] % 3;
+      const std::uint32_t t = corners.entries[i] / 3, k = corners.entries[i] % 3;
       pieces.add(mesh.piece[t]);
       shortest = std::min(shortest, squared_norm(mesh.x[mesh.triangles[t][(k + 1) % 3]] - mesh.x[v]));
     }
@@ -174,7 +174,7 @@ std::vector<Vec3f> piece_normals(const PiecewiseField& field, const PieceMesh& m
     if (!(squared_norm(sum[v]) > 1e-12)) {
       sum[v] = {};
       for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-        const auto [a, b, c] = mesh.triangles[corners.corner[i] / 3];
+        const auto [a, b, c] = mesh.triangles[corners.entries[i] / 3];
         sum[v] += cross(mesh.x[b] - mesh.x[a], mesh.x[c] - mesh.x[a]);
       }
     }

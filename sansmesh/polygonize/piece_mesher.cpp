@@ -96,7 +96,7 @@ void PieceMesher::improve(const Vec3& origin, Progress& progress) {
   merging.rounding = kRounding * scale_;
   merging.straight.resize(mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 4096,
-               [&](std::size_t v) { merging.straight[v] = bend_of(mesh.vertices[v]) == 0; });
+               [&](std::size_t v) { merging.straight[v] = curvature_bound_of(mesh.vertices[v]) == 0; });
   becomes_ = merge_pieces(mesh, facing, merging);
   if (options_.simplify <= 0) return;
   progress.begin("simplify");
@@ -173,7 +173,7 @@ void PieceMesher::recall() {
   const VertexCorners corners(mesh.triangles, mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
     PieceSet set;
-    for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) set.add(mesh.piece[corners.corner[i] / 3]);
+    for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) set.add(mesh.piece[corners.entries[i] / 3]);
     mesh.vertices[v].piece = {kNoPiece, kNoPiece, kNoPiece};
     if (set.count <= 3) {
       std::copy(set.begin(), set.end(), mesh.vertices[v].piece.begin());
@@ -195,10 +195,11 @@ void PieceMesher::recall() {
   });
 }
 
-double PieceMesher::bend_of(const CutPieces::Vertex& v) const {
-  double bend = 0;
-  for (std::uint32_t k = 0; k < v.rank(); ++k) bend = std::max(bend, field_.bend(v.piece[k], v.x, 0));
-  return bend;
+double PieceMesher::curvature_bound_of(const CutPieces::Vertex& v) const {
+  double curvature = 0;
+  for (std::uint32_t k = 0; k < v.rank(); ++k)
+    curvature = std::max(curvature, field_.curvature_bound(v.piece[k], v.x, 0));
+  return curvature;
 }
 
 void PieceMesher::simplify(const Vec3& origin, Progress& progress) {
@@ -212,10 +213,10 @@ void PieceMesher::simplify(const Vec3& origin, Progress& progress) {
     limits[v] = static_cast<float>(kShareOfRoom) * mesh.vertices[v].room;
     if (options_.triangles > 0) continue;
     // Thin parts keep their shape, and flat thin parts almost exactly, unless a number of triangles was requested.
-    const double bend = bend_of(mesh.vertices[v]);
+    const double curvature = curvature_bound_of(mesh.vertices[v]);
     const double most =
-        bend > 0 ? kShareOfRadius / bend
-                 : std::min(options_.flat_error, kFlatShareOfRoom * static_cast<double>(mesh.vertices[v].room));
+        curvature > 0 ? kShareOfRadius / curvature
+                      : std::min(options_.flat_error, kFlatShareOfRoom * static_cast<double>(mesh.vertices[v].room));
     limits[v] = std::min(limits[v], static_cast<float>(most));
   }
   std::vector<float> room_of(plain.triangles.size());

@@ -62,7 +62,7 @@ class PieceMesher {
   /// The pieces of vertices from those of the surrounding triangles.
   void recall();
   /// Largest curvature of its pieces.
-  double bend_of(const CutPieces::Vertex& v) const;
+  double curvature_bound_of(const CutPieces::Vertex& v) const;
   void simplify(const Vec3& origin, Progress& progress);
   /// As place_vertices(), but vertices stay where a triangle would turn.
   void place_again();

@@ -145,12 +145,12 @@ std::vector<std::uint32_t> SpaceTimeLattice::holding(std::vector<std::uint32_t> 
 }
 
 std::vector<std::uint8_t> SpaceTimeLattice::are_flat(std::span<const std::uint32_t> blocks) const {
-  constexpr std::size_t kPlaces = 25;  // centre, faces, corners
+  constexpr std::size_t kTestPoints = 25;  // centre, faces, corners
   std::vector<std::uint8_t> flat(blocks.size());
   std::vector<Vec3> x;
   std::vector<double> t;
   std::vector<double> values;
-  const std::size_t at_once = kBatch / kPlaces;
+  const std::size_t at_once = kBatch / kTestPoints;
   for (std::size_t begin = 0; begin < blocks.size(); begin += at_once) {
     const std::size_t n = std::min(at_once, blocks.size() - begin);
     x.clear(), t.clear();
@@ -178,9 +178,9 @@ std::vector<std::uint8_t> SpaceTimeLattice::are_flat(std::span<const std::uint32
     values.resize(x.size());
     evaluate(x, t, values);
     for (std::size_t i = 0; i < n; ++i) {
-      const double* v = values.data() + i * kPlaces;
+      const double* v = values.data() + i * kTestPoints;
       double most = 0;
-      for (std::size_t p = 1; p < kPlaces; p += 2) most = std::max(most, std::abs((v[p] + v[p + 1]) / 2 - v[0]));
+      for (std::size_t p = 1; p < kTestPoints; p += 2) most = std::max(most, std::abs((v[p] + v[p + 1]) / 2 - v[0]));
       flat[begin + i] = most <= mesh_error_;
     }
   }

@@ -41,7 +41,7 @@ std::vector<std::uint64_t> sorted_names(const std::vector<ChainTriangle>& named,
   return names;
 }
 
-std::uint32_t place_in(const std::vector<std::uint64_t>& names, const ChainVertex& v) {
+std::uint32_t vertex_index(const std::vector<std::uint64_t>& names, const ChainVertex& v) {
   return static_cast<std::uint32_t>(std::lower_bound(names.begin(), names.end(), name_of(v)) - names.begin());
 }
 
@@ -66,7 +66,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const ChainVertex v = named[i][k];
-      chain.triangles[i][k] = v.a == v.b ? of_lattice[v.a] : first_edge + place_in(edges, v);
+      chain.triangles[i][k] = v.a == v.b ? of_lattice[v.a] : first_edge + vertex_index(edges, v);
     }
   });
   return chain;
@@ -79,7 +79,7 @@ SurfaceChain number_few_vertices(const std::vector<ChainTriangle>& named) {
   for (const std::uint64_t name : names) chain.vertices.push_back(vertex_of(name));
   chain.triangles.resize(named.size());
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
-    for (std::size_t k = 0; k < 3; ++k) chain.triangles[i][k] = place_in(names, named[i][k]);
+    for (std::size_t k = 0; k < 3; ++k) chain.triangles[i][k] = vertex_index(names, named[i][k]);
   });
   return chain;
 }
@@ -90,12 +90,12 @@ void cancel_opposite(SurfaceChain& chain) {
   std::vector<std::uint8_t> gone(chain.triangles.size(), 0);
   parallel_for(0, chain.vertices.size(), 4096, [&](std::size_t v) {
     for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i) {
-      const std::uint32_t ti = c.corner[i] / 3, ki = c.corner[i] % 3;
+      const std::uint32_t ti = c.entries[i] / 3, ki = c.entries[i] % 3;
       const Triangle& a = chain.triangles[ti];
       const std::uint32_t p = a[(ki + 1) % 3], q = a[(ki + 2) % 3];
       if (v > p || v > q || gone[ti]) continue;  // each triangle belongs to its smallest vertex
       for (std::uint32_t j = i + 1; j < c.first[v + 1]; ++j) {
-        const std::uint32_t tj = c.corner[j] / 3, kj = c.corner[j] % 3;
+        const std::uint32_t tj = c.entries[j] / 3, kj = c.entries[j] % 3;
         const Triangle& b = chain.triangles[tj];
         if (b[(kj + 1) % 3] != q || b[(kj + 2) % 3] != p || gone[tj])
           continue;  // `gone` can only be set by this vertex
@@ -123,7 +123,7 @@ int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fa
   link.assign(n, kNoEntry);
   out.resize(n), back.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t corner = c.corner[first + i];
+    const std::uint32_t corner = c.entries[first + i];
     const Triangle& t = chain.triangles[corner / 3];
     out[i] = t[(corner % 3 + 1) % 3];
     back[i] = t[(corner % 3 + 2) % 3];
@@ -191,7 +191,7 @@ std::vector<std::uint32_t> undo_merges(const SurfaceChain& chain, const VertexCo
     } else {
       // A crossing point glued to a merged neighbour: undo the merges around it.
       for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i)
-        for (const std::uint32_t o : chain.triangles[c.corner[i] / 3])
+        for (const std::uint32_t o : chain.triangles[c.entries[i] / 3])
           if (const ChainVertex other = chain.vertices[o]; other.a == other.b) undo(other.a);
     }
   }
@@ -226,7 +226,7 @@ void separate_sheets(SurfaceChain& chain, const VertexCorners& c, const std::vec
       const auto copy = static_cast<std::uint32_t>(chain.vertices.size());
       chain.vertices.push_back(chain.vertices[v]);
       for (std::uint32_t i = 0; i < link.size(); ++i) {
-        const std::uint32_t corner = c.corner[c.first[v] + i];
+        const std::uint32_t corner = c.entries[c.first[v] + i];
         if (link[i] == static_cast<std::uint32_t>(f)) chain.triangles[corner / 3][corner % 3] = copy;
       }
     }

@@ -41,7 +41,7 @@ void snap_to_creases(const ScalarField& field, const std::vector<Triangle>& tria
       float least = 1;
       double edge = 0;
       for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i)
-        for (const std::uint32_t o : triangles[corners.corner[i] / 3]) {
+        for (const std::uint32_t o : triangles[corners.entries[i] / 3]) {
           if (o == v) continue;
           least = std::min(least, dot(normals[o], normals[v]));
           p.push_back(x[o]);
@@ -83,7 +83,7 @@ void balance_gaps(const ScalarField& field, const std::vector<Triangle>& triangl
   parallel_for(0, x.size(), 4096, [&](std::size_t v) {
     double sum = 0, n = 0, edge = 0;
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-      const std::uint32_t t = corners.corner[i] / 3;
+      const std::uint32_t t = corners.entries[i] / 3;
       for (const std::uint32_t o : triangles[t])
         if (dot(normals[o], normals[v]) < kCreaseCosine) return;
       sum += f[t], n += 1;
@@ -104,7 +104,7 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const VertexCor
       Vec3 sum;
       double weight = 0;
       for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
-        const Triangle& t = triangles[corners.corner[i] / 3];
+        const Triangle& t = triangles[corners.entries[i] / 3];
         const Vec3 a = old[t[1]] - old[t[0]], b = old[t[2]] - old[t[0]];
         const double area = norm(cross(a, b));
         sum += (old[t[0]] + (a + b) * (1 / 3.0)) * area;
@@ -134,7 +134,7 @@ void place_again(const ScalarField& field, const PolygonizeOptions& options, Tri
     double edge = std::numeric_limits<double>::infinity();
     bool smooth = slope2 > 1e-4;
     for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1] && smooth; ++i) {
-      const Triangle& t = mesh.triangles[corners.corner[i] / 3];
+      const Triangle& t = mesh.triangles[corners.entries[i] / 3];
       const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
       smooth = dot(normalized(cross(b - a, c - a)), normal) > static_cast<double>(kCreaseCosine);
       edge = std::min({edge, squared_norm(b - a), squared_norm(c - a)});

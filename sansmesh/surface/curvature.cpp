@@ -18,17 +18,17 @@ namespace {
 using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
 
 constexpr std::array<std::size_t, 11> kSizes{20, 28, 40, 56, 80, 112, 160, 224, 320, 448, 640};
-constexpr std::size_t kPlaces = 400;
+constexpr std::size_t kTestedSamples = 400;
 constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that needs no larger neighbourhood
 
 int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double noise) {
-  const std::size_t places = std::min(kPlaces, tree.size());
+  const std::size_t count = std::min(kTestedSamples, tree.size());
   constexpr std::size_t kCount = kSizes.size();
   // For each point and size, the variance due to noise and the squared change to the next size.
   constexpr double kNone = -1;
-  std::vector<std::array<double, kCount>> variances(places), changes(places), squares(places);
+  std::vector<std::array<double, kCount>> variances(count), changes(count), squares(count);
   const CurvatureOptions options;
-  parallel_ranges(0, places, 16, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(0, count, 16, [&](std::size_t first, std::size_t last) {
     CurvatureFitter fitter(options);
     std::vector<Neighbour> found(kSizes.back());
     std::vector<double> distances;
@@ -36,9 +36,9 @@ int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double
       variances[p].fill(kNone);
       changes[p].fill(kNone);
       squares[p].fill(kNone);
-      const std::uint32_t place = tree.order()[p * tree.size() / places];
-      const Vec3f x = points.positions[place];
-      const Vec3 normal = normalized(Vec3(points.normals[place]));
+      const std::uint32_t sample = tree.order()[p * tree.size() / count];
+      const Vec3f x = points.positions[sample];
+      const Vec3 normal = normalized(Vec3(points.normals[sample]));
       if (!(squared_norm(normal) > 0)) continue;
       found.resize(kSizes.back());
       found.resize(tree.nearest(x, found));
@@ -118,7 +118,7 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
 }
 
 void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3> normals,
-                                  std::span<PrincipalCurvatures> result) const {
+                                  std::span<FittedCurvatures> result) const {
   if (normals.size() != x.size() || result.size() != x.size())
     throw ArgumentError("CurvatureEstimator::evaluate: points, normals and results differ in number");
   parallel_ranges(0, x.size(), 256, [&](std::size_t first, std::size_t last) {
@@ -149,8 +149,8 @@ void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3>
   });
 }
 
-std::vector<PrincipalCurvatures> CurvatureEstimator::at_samples(Progress& progress) const {
-  std::vector<PrincipalCurvatures> result(cloud_size_);
+std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress) const {
+  std::vector<FittedCurvatures> result(cloud_size_);
   progress.begin("curvatures", tree_.size());
   constexpr std::size_t kSlots = 2048;
   parallel_ranges(0, tree_.size(), kSlots, [&](std::size_t first, std::size_t last) {
@@ -191,8 +191,8 @@ int choose_curvature_neighbours(const PointSet& points, double noise) {
   return choose_neighbours_on_tree(KdTree(points.positions), points, noise);
 }
 
-std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
-                                                     Progress& progress) {
+std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
+                                                  Progress& progress) {
   return CurvatureEstimator(points, options).at_samples(progress);
 }
 

@@ -9,6 +9,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface/fitted_curvatures.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
@@ -25,9 +26,9 @@ class CurvatureEstimator {
 
   /// Curvatures at points on or next to the surface with unit outward normals there. Undefined if the nearest sample is
   /// farther away than half the neighbourhood's radius. Sizes must agree. Thread-safe; runs in parallel itself.
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3> normals, std::span<PrincipalCurvatures> result) const;
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3> normals, std::span<FittedCurvatures> result) const;
   /// Curvatures at all samples, in the cloud's order.
-  std::vector<PrincipalCurvatures> at_samples(Progress& progress) const;
+  std::vector<FittedCurvatures> at_samples(Progress& progress) const;
 
   /// Number of samples in a neighbourhood; 0 if a radius was given.
   int neighbours() const { return neighbours_; }
@@ -49,7 +50,7 @@ int choose_curvature_neighbours(const PointSet& points, double noise);
 
 /// Curvatures at all samples; undefined where positions are not finite or normals are zero. Throws ArgumentError for
 /// invalid options, DataError for a cloud without normals.
-std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
-                                                     Progress& progress);
+std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
+                                                  Progress& progress);
 
 }  // namespace sansmesh::inline v1

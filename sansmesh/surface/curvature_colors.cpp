@@ -42,7 +42,7 @@ CurvatureColors::CurvatureColors(const PointSet& points, const CurvatureColorOpt
     : CurvatureColors(points, estimate_curvatures(points, (options.validate(), options.curvature), progress), options) {
 }
 
-CurvatureColors::CurvatureColors(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+CurvatureColors::CurvatureColors(const PointSet& points, std::span<const FittedCurvatures> curvatures,
                                  const CurvatureColorOptions& options) {
   options.validate();
   if (curvatures.size() != points.size() || points.normals.size() != points.size())

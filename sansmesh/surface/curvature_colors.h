@@ -37,7 +37,7 @@ class CurvatureColors : public ColorField {
   /// DataError for a cloud without normals.
   CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress);
   /// Uses known curvatures, as many as points, for example of a mesh's vertices.
-  CurvatureColors(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+  CurvatureColors(const PointSet& points, std::span<const FittedCurvatures> curvatures,
                   const CurvatureColorOptions& options);
 
   void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override;

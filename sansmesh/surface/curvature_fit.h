@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/surface_options.h"
+#include "sansmesh/surface/fitted_curvatures.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {
@@ -142,11 +142,11 @@ class CurvatureFitter {
 
   /// The fit is a quadric, the zero set of F = z + ½(χ₁‖d‖² + χ₂(u² − v²) + 2 χ₃ u v) − δ − a u − b v: its curvatures
   /// at the foot (0, 0, δ) are those of F's Hessian across the gradient.
-  PrincipalCurvatures curvatures() const {
+  FittedCurvatures curvatures() const {
     const auto [c1, c2, c3, delta, a, b] = solution_;
     const Vec3 gradient{-a, -b, 1 + c1 * delta};
     const double length = norm(gradient);
-    PrincipalCurvatures result;
+    FittedCurvatures result;
     if (!(gradient.z > 0)) return result;
     const Vec3 n = gradient / length;
     Vec3 e, f;

@@ -40,7 +40,7 @@ bool gather_near(const std::vector<detail::Paraboloid>& all, const std::vector<s
 
 }  // namespace
 
-SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> places, std::span<const float> spacing) {
+SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> points, std::span<const float> spacing) {
   constexpr std::size_t kChunk = 16384;
   SurfaceFeet found;
   std::vector<Vec3> from;
@@ -48,10 +48,10 @@ SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> place
   std::vector<std::uint32_t> open, next;
   std::vector<Vec3> moving;
   std::vector<FootPoint> moved;
-  for (std::size_t first = 0; first < places.size(); first += kChunk) {
-    const std::size_t n = std::min(kChunk, places.size() - first);
+  for (std::size_t first = 0; first < points.size(); first += kChunk) {
+    const std::size_t n = std::min(kChunk, points.size() - first);
     from.resize(n), feet.assign(n, {}), open.resize(n);
-    for (std::size_t i = 0; i < n; ++i) from[i] = Vec3(places[first + i]), open[i] = static_cast<std::uint32_t>(i);
+    for (std::size_t i = 0; i < n; ++i) from[i] = Vec3(points[first + i]), open[i] = static_cast<std::uint32_t>(i);
     for (int step = 0; step < kMostSteps && !open.empty(); ++step) {
       moving.clear();
       for (const std::uint32_t i : open) moving.push_back(from[i]);
@@ -67,8 +67,8 @@ SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> place
         const double height = dot(from[i] - foot.position, foot.normal);
         from[i] -= foot.normal * height;
         foot.position = from[i];
-        foot.defined = std::abs(height) <= kAtRest * s && norm(from[i] - Vec3(places[first + i])) <= kBelongs * s;
-        if (std::abs(height) > kAtRest * s && norm(from[i] - Vec3(places[first + i])) <= kBelongs * s)
+        foot.defined = std::abs(height) <= kAtRest * s && norm(from[i] - Vec3(points[first + i])) <= kBelongs * s;
+        if (std::abs(height) > kAtRest * s && norm(from[i] - Vec3(points[first + i])) <= kBelongs * s)
           next.push_back(i);
       }
       open.swap(next);
@@ -77,7 +77,7 @@ SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> place
       if (!feet[i].defined) continue;
       found.feet.push_back(feet[i]);
       found.spacing.push_back(spacing[first + i]);
-      found.place.push_back(static_cast<std::uint32_t>(first + i));
+      found.start.push_back(static_cast<std::uint32_t>(first + i));
     }
   }
   return found;

@@ -17,12 +17,12 @@ namespace sansmesh::inline v1 {
 struct SurfaceFeet {
   std::vector<FootPoint> feet;
   std::vector<float> spacing;        ///< spacing of the samples there (length)
-  std::vector<std::uint32_t> place;  ///< index of the starting point of each foot, ascending
+  std::vector<std::uint32_t> start;  ///< index of the starting point of each foot, ascending
 };
 
 /// Feet of the given points. A point has a foot if the projection comes to rest within two spacings of it. Arrays of
 /// equal length; spacing > 0 (length).
-SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> places, std::span<const float> spacing);
+SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> points, std::span<const float> spacing);
 
 /// Approximate signed distance to the surface: the mean of the heights of x over the paraboloids at feet within 1.6
 /// spacings of x, with weights (1 − d²/R²)⁴ (a partition of unity). Near the surface it differs from the projection by

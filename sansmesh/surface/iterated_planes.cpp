@@ -106,21 +106,21 @@ class LeaveOneOut {
  public:
   LeaveOneOut(const SurfaceSamples& samples, const Rows& rows) : samples_(samples), rows_(rows) {}
 
-  std::array<double, kMostIterations + 1> errors(std::uint32_t place, int most) {
+  std::array<double, kMostIterations + 1> errors(std::uint32_t left_out, int most) {
     std::array<double, kMostIterations + 1> result{};
     rows_of_.clear();
     // v: the generating functions at the foot, times (I − A)^n; their sums are the weights of the samples' planes.
     std::vector<Rows::Entry> start;
-    rows_.row(foot_of(samples_, place), samples_.normals[place], start);
+    rows_.row(foot_of(samples_, left_out), samples_.normals[left_out], start);
     std::unordered_map<std::uint32_t, double> v, next, total;
     for (const Rows::Entry& e : start) v[e.column] = static_cast<double>(e.value);
     for (int n = 0; n <= most; ++n) {
       double sum = 0, weights = 0;
       for (const auto& [j, value] : v) total[j] += value;
       for (const auto& [j, value] : total) {
-        if (j == place) continue;  // left out: the others replace its weight
+        if (j == left_out) continue;  // left out: the others replace its weight
         weights += value;
-        sum += value * dot(Vec3(samples_.positions[place] - samples_.positions[j]), Vec3(samples_.normals[j]));
+        sum += value * dot(Vec3(samples_.positions[left_out] - samples_.positions[j]), Vec3(samples_.normals[j]));
       }
       // Undefined where the others do not reach.
       result[static_cast<std::size_t>(n)] = weights > 0.05 ? sum / weights : std::numeric_limits<double>::quiet_NaN();
@@ -236,7 +236,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
     candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};
   const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : kMostIterations;
-  const std::size_t places = std::min(kLeftOut, samples.size());
+  const std::size_t count = std::min(kLeftOut, samples.size());
   IterationChoice best;
   best.error = std::numeric_limits<double>::infinity();
   for (const double factor : candidates) {
@@ -244,11 +244,11 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
     if (options.alike) std::fill(widths.begin(), widths.end(), static_cast<float>(samples.median_spacing));
     for (float& w : widths) w *= static_cast<float>(factor);
     const Rows rows(samples, widths, options);
-    std::vector<std::array<double, kMostIterations + 1>> errors(places);
-    parallel_for(0, places, 4, [&](std::size_t p) {
+    std::vector<std::array<double, kMostIterations + 1>> errors(count);
+    parallel_for(0, count, 4, [&](std::size_t p) {
       LeaveOneOut leave(samples, rows);
-      errors[p] = leave.errors(static_cast<std::uint32_t>(p * samples.size() / places), most);
-      const auto spacing = static_cast<double>(samples.spacing[p * samples.size() / places]);
+      errors[p] = leave.errors(static_cast<std::uint32_t>(p * samples.size() / count), most);
+      const auto spacing = static_cast<double>(samples.spacing[p * samples.size() / count]);
       for (double& e : errors[p]) e = e * e / (spacing * spacing);
     });
     for (int n = iterations >= 0 ? most : 0; n <= most; ++n) {

@@ -54,7 +54,7 @@ class Lists {
     parallel_for(0, x.size(), kGrain, [&](std::size_t i) { first_[i + 1] = tree.count_within(Vec3f(x[i]), radius); });
     for (std::size_t i = 0; i < x.size(); ++i) first_[i + 1] += first_[i];
     if (first_.back() > kMostListed) {
-      places_.assign(x.begin(), x.end());
+      positions_.assign(x.begin(), x.end());
       return;
     }
     index_.resize(first_.back());
@@ -70,12 +70,12 @@ class Lists {
   /// Calls visit(j) for each neighbour j of point i.
   template <class Visit>
   void each(std::size_t i, const Visit& visit) const {
-    if (places_.empty()) {
+    if (positions_.empty()) {
       for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) visit(index_[k]);
       return;
     }
     std::vector<Neighbour> found;
-    tree_->within_by_slot(Vec3f(places_[i]), radius_, found);
+    tree_->within_by_slot(Vec3f(positions_[i]), radius_, found);
     for (const Neighbour& n : found) visit(n.index);
   }
 
@@ -84,7 +84,7 @@ class Lists {
   float radius_ = 0;
   std::vector<std::size_t> first_;
   std::vector<std::uint32_t> index_;
-  std::vector<Vec3> places_;  ///< positions for the search on demand
+  std::vector<Vec3> positions_;  ///< positions for the search on demand
 };
 
 /// A function of the squared distance up to a radius, interpolated between values at even steps: no roots and

@@ -17,7 +17,7 @@ SampleCurvature::SampleCurvature(const PointSet& points, const LocalFrame& frame
                                  Progress& progress)
     : SampleCurvature(points, estimate_curvatures(points, options, progress), frame) {}
 
-SampleCurvature::SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+SampleCurvature::SampleCurvature(const PointSet& points, std::span<const FittedCurvatures> curvatures,
                                  const LocalFrame& frame)
     : frame_(frame) {
   if (curvatures.size() != points.size() || points.normals.size() != points.size())
@@ -27,7 +27,7 @@ SampleCurvature::SampleCurvature(const PointSet& points, std::span<const Princip
   normals_ = points.normals;
   tensors_.resize(curvatures.size());
   parallel_for(0, curvatures.size(), 4096, [&](std::size_t i) {
-    const PrincipalCurvatures& c = curvatures[i];
+    const FittedCurvatures& c = curvatures[i];
     if (!c.defined) {
       normals_[i] = {};
       return;
@@ -40,13 +40,13 @@ SampleCurvature::SampleCurvature(const PointSet& points, std::span<const Princip
 }
 
 void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                               std::span<SurfaceCurvature> bends) const {
-  if (x.size() != normals.size() || x.size() != bends.size())
+                               std::span<PrincipalCurvatures> curvatures) const {
+  if (x.size() != normals.size() || x.size() != curvatures.size())
     throw ArgumentError("SampleCurvature::evaluate: as many normals and results as points are needed");
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
     std::array<Neighbour, kMixed> near;
     for (std::size_t i = first; i < last; ++i) {
-      bends[i] = {};
+      curvatures[i] = {};
       const std::size_t n = tree_.nearest(Vec3f(frame_.from_input(x[i])), near);
       if (n == 0) continue;
       // The outward side of the samples' normals may differ from the visible side.
@@ -75,7 +75,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
                (sum[0] * u.x * v.x + sum[1] * u.y * v.y + sum[2] * u.z * v.z + sum[3] * (u.x * v.y + u.y * v.x) +
                 sum[4] * (u.x * v.z + u.z * v.x) + sum[5] * (u.y * v.z + u.z * v.y));
       };
-      bends[i] = principal_curvatures_of(form(a, a), form(a, b), form(b, b), a, b);
+      curvatures[i] = principal_curvatures_of(form(a, a), form(a, b), form(b, b), a, b);
     }
   });
 }

@@ -23,9 +23,9 @@ class SampleCurvature final : public CurvatureField {
   /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.
   SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options, Progress& progress);
   /// Uses known curvatures, as many as points, for example of a mesh's vertices.
-  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const LocalFrame& frame);
+  SampleCurvature(const PointSet& points, std::span<const FittedCurvatures> curvatures, const LocalFrame& frame);
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                std::span<SurfaceCurvature> bends) const override;
+                std::span<PrincipalCurvatures> curvatures) const override;
 
  private:
   LocalFrame frame_;

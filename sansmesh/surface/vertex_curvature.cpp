@@ -34,12 +34,13 @@ constexpr double kRoundTheRim = -0.25;
 constexpr std::size_t kShares = 64, kLeastShare = 2048;
 
 /// Coincident vertices of a mesh merged into nodes, with the edges between them.
-struct PlaceGraph {
-  std::vector<std::uint32_t> place;  ///< first coincident vertex of each vertex
+struct PositionGraph {
+  std::vector<std::uint32_t> representative;  ///< first coincident vertex of each vertex
   std::vector<std::uint32_t> first, beside;
   std::vector<Vec3> normal;  ///< normal of each node, unit or zero
 
-  explicit PlaceGraph(const PointSet& mesh) : place(first_equal_positions(mesh.positions)), normal(mesh.size()) {
+  explicit PositionGraph(const PointSet& mesh)
+      : representative(first_equal_positions(mesh.positions)), normal(mesh.size()) {
     join(mesh);
     std::vector<double> area(mesh.size(), 0);
     for (const auto& t : mesh.triangles) {
@@ -48,7 +49,7 @@ struct PlaceGraph {
         for (const std::uint32_t v : t) area[v] += doubled;
     }
     for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (is_finite(mesh.normals[v])) normal[place[v]] += normalized(Vec3(mesh.normals[v])) * area[v];
+      if (is_finite(mesh.normals[v])) normal[representative[v]] += normalized(Vec3(mesh.normals[v])) * area[v];
     for (Vec3& n : normal) n = normalized(n);
   }
 
@@ -58,7 +59,7 @@ struct PlaceGraph {
     for (const auto& t : mesh.triangles) {
       if (t[0] >= mesh.size() || t[1] >= mesh.size() || t[2] >= mesh.size()) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = place[t[k]], b = place[t[(k + 1) % 3]];
+        const std::uint32_t a = representative[t[k]], b = representative[t[(k + 1) % 3]];
         if (a == b) continue;
         pairs.push_back(std::uint64_t{a} << 32 | b);
         pairs.push_back(std::uint64_t{b} << 32 | a);
@@ -77,7 +78,7 @@ struct PlaceGraph {
 /// Computes the rings around one vertex after another.
 class RingWalk {
  public:
-  explicit RingWalk(const PlaceGraph& graph) : graph_(graph), seen_(graph.place.size(), 0) {}
+  explicit RingWalk(const PositionGraph& graph) : graph_(graph), seen_(graph.representative.size(), 0) {}
 
   /// Neighbours of v from near to far, without v: whole rings until there are `enough`, of vertices that `keep(w)`
   /// accepts. Excludes hubs and the vertices behind them.
@@ -106,19 +107,19 @@ class RingWalk {
   }
 
  private:
-  const PlaceGraph& graph_;
+  const PositionGraph& graph_;
   std::vector<std::uint32_t> seen_, found_;
   std::uint32_t round_ = 0;
 };
 
 /// Fits all unknowns, and fewer if the neighbours do not determine them.
-PrincipalCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
-                                        std::span<const Vec3> offsets, double radius) {
+FittedCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
+                                     std::span<const Vec3> offsets, double radius) {
   for (CurvatureFitter* const fitter : fitters) {
     fitter->start(normal);
     for (const Vec3& d : offsets) fitter->add(d);
     if (!fitter->fit(offsets.size(), radius)) continue;
-    if (const PrincipalCurvatures found = fitter->curvatures(); found.defined) return found;
+    if (const FittedCurvatures found = fitter->curvatures(); found.defined) return found;
   }
   return {};
 }
@@ -130,27 +131,27 @@ double known_noise(const PointSet& mesh) {
   return noise.known ? noise.deviation : 0;
 }
 
-std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
-                                                            Progress& progress) {
+std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
+                                                         Progress& progress) {
   options.validate();
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
   if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
-  const PlaceGraph graph(mesh);
+  const PositionGraph graph(mesh);
   std::size_t enough = 0;
   if (!options.bandwidth) {
-    PointSet places;  // copies of a vertex would be all of its nearest neighbours
+    PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
     for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (graph.place[v] == v)
-        places.positions.push_back(mesh.positions[v]), places.normals.push_back(Vec3f(graph.normal[v]));
-    const int wanted = options.neighbours
-                           ? *options.neighbours
-                           : choose_curvature_neighbours(places, options.noise ? *options.noise : known_noise(places));
+      if (graph.representative[v] == v)
+        distinct.positions.push_back(mesh.positions[v]), distinct.normals.push_back(Vec3f(graph.normal[v]));
+    const int wanted = options.neighbours ? *options.neighbours
+                                          : choose_curvature_neighbours(
+                                                distinct, options.noise ? *options.noise : known_noise(distinct));
     enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
   }
   const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
   CurvatureOptions through = options, given = options;
   through.offset = given.offset = given.refit_normal = false;
-  std::vector<PrincipalCurvatures> result(mesh.size());
+  std::vector<FittedCurvatures> result(mesh.size());
   progress.begin("curvatures", mesh.size());
   parallel_ranges(0, mesh.size(), kLeastShare + mesh.size() / kShares, [&](std::size_t begin, std::size_t end) {
     RingWalk walk(graph);
@@ -159,7 +160,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
     std::vector<Vec3> offsets;
     for (std::size_t v = begin; v < end; ++v) {
       const Vec3 normal = graph.normal[v];
-      if (graph.place[v] != v || !(squared_norm(normal) > 0)) continue;
+      if (graph.representative[v] != v || !(squared_norm(normal) > 0)) continue;
       const Vec3 x(mesh.positions[v]);
       const auto& around = walk.around(
           static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
@@ -175,7 +176,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
     }
     progress.advance(end - begin);
   });
-  for (std::size_t v = 0; v < mesh.size(); ++v) result[v] = result[graph.place[v]];
+  for (std::size_t v = 0; v < mesh.size(); ++v) result[v] = result[graph.representative[v]];
   progress.finish();
   return result;
 }

@@ -18,7 +18,7 @@ double known_noise(const PointSet& mesh);
 /// Coincident vertices count as one. If so few neighbours do not determine all unknowns, the fitted surface passes
 /// through the vertex, and then keeps its normal. Undefined at vertices of no triangle. Throws ArgumentError for
 /// invalid options, DataError for a mesh without normals or triangles.
-std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
-                                                            Progress& progress);
+std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
+                                                         Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -379,7 +379,7 @@ std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const 
   // Processes one front at a time. A pivot replaces one vertex, so a front queries at most one vertex per simplex.
   struct NewVertex {
     std::size_t simplex;
-    int place;
+    int corner;
     std::uint32_t number;
   };
   std::vector<NewVertex> fresh;
@@ -399,7 +399,7 @@ std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const 
       }
     ask();
     for (const NewVertex& v : fresh)
-      if (answers[v.number]) masks[v.simplex] = static_cast<std::uint8_t>(masks[v.simplex] | 1u << v.place);
+      if (answers[v.number]) masks[v.simplex] = static_cast<std::uint8_t>(masks[v.simplex] | 1u << v.corner);
     begin = end;
   }
   return result;

@@ -12,7 +12,7 @@ constexpr std::size_t kLargeGrid = 20'000'000;
 
 }  // namespace
 
-ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
+VolumeReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
   const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
   if (volume.lattice) {
     if (!traits.resolved())

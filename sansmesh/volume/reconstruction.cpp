@@ -19,7 +19,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Rejects options that the method does not use.
-void check_options(const ReconstructionOptions& options, const VolumeMethod& method) {
+void check_options(const VolumeReconstructionOptions& options, const VolumeMethod& method) {
   std::vector<std::string_view> set = options_set(options);
   std::erase(set, "method");
   check_used(set, method.uses, set, fmt::format("the reconstruction {}", method.name));
@@ -79,7 +79,7 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
 }  // namespace
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
-                                                const ReconstructionOptions& options, Progress& progress,
+                                                const VolumeReconstructionOptions& options, Progress& progress,
                                                 VolumeReconstructionReport* report,
                                                 ReconstructionCoefficients* coefficients) {
   options.validate();
@@ -90,7 +90,8 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   r.options = options;
   VolumeValues values = volume_values(*volume, array);
   if (!options.method) {
-    ReconstructionChoice recommended = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+    VolumeReconstructionChoice recommended =
+        choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
     r.options.method = std::move(recommended.method), r.why = std::move(recommended.why);
   }
   const VolumeMethod& method = volume_method(*r.options.method);

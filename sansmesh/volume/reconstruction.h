@@ -5,11 +5,11 @@
 #include <string>
 
 #include "sansmesh/progress.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/volume_method.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -20,7 +20,7 @@ namespace sansmesh::inline v1 {
 /// `coefficients`: empty ones receive the fitted coefficients, if any. Others replace the fit; they must belong to the
 /// same volume and array, with the options of the report of that fit. The field is then bit-identical.
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
-                                                const ReconstructionOptions& options, Progress& progress,
+                                                const VolumeReconstructionOptions& options, Progress& progress,
                                                 VolumeReconstructionReport* report = nullptr,
                                                 ReconstructionCoefficients* coefficients = nullptr);
 

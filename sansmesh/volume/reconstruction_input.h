@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "sansmesh/progress.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/grid/volume_values.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -15,7 +15,7 @@ namespace sansmesh::inline v1 {
 struct ReconstructionInput {
   std::shared_ptr<const SampledVolume> volume;
   VolumeValues values;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   Progress& progress;
   /// `options` equal those above until the method writes its choices; notes about values are present already.
   VolumeReconstructionReport& report;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "sansmesh/progress.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 

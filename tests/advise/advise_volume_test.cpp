@@ -16,8 +16,8 @@ const VolumeRecommendation* find(const std::vector<VolumeRecommendation>& list, 
 }
 
 /// Samples that parabolas predict much better than planes.
-VolumeOffer resolved() {
-  VolumeOffer offer;
+VolumeAdviceInput resolved() {
+  VolumeAdviceInput offer;
   offer.traits.left_out = {0.02, 0.01, 0.001, 0.0005};
   offer.traits.left_out_rms = offer.traits.left_out;
   offer.lattice = true;
@@ -36,7 +36,7 @@ TEST(AdviseVolume, ResolvedVolumesGetIsosurfaces) {
 }
 
 TEST(AdviseVolume, CoarseLatticesWithStepsHaveBordersFirst) {
-  VolumeOffer offer = resolved();
+  VolumeAdviceInput offer = resolved();
   offer.traits.left_out_rms = {0.04, 0.03, 0.029, 0.03};
   offer.traits.steps = 0.05;
   const auto list = advise_volume(offer);
@@ -50,7 +50,7 @@ TEST(AdviseVolume, CoarseLatticesWithStepsHaveBordersFirst) {
 }
 
 TEST(AdviseVolume, UnsteadyFlowsGetPathLinesSteadyOnesStreamLines) {
-  VolumeOffer offer = resolved();
+  VolumeAdviceInput offer = resolved();
   offer.vectors = true;
   const auto steady = advise_volume(offer);
   EXPECT_EQ(steady[0].aim, VolumeAim::flow_picture);
@@ -60,7 +60,7 @@ TEST(AdviseVolume, UnsteadyFlowsGetPathLinesSteadyOnesStreamLines) {
 }
 
 TEST(AdviseVolume, BodiesMoveByForces) {
-  VolumeOffer bare;
+  VolumeAdviceInput bare;
   bare.values = false, bare.body = true;
   const auto list = advise_volume(bare);
   ASSERT_EQ(list.size(), 1u);

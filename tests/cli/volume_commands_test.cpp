@@ -49,8 +49,8 @@ TEST_F(VolumeTool, InfoKnowsGridsThatAreNamedAsPoints) {
   EXPECT_EQ(json_of({"info", "bare.xyz"})["cells"], 1);
   std::string bytes(3 * 4 + 24 * 4, '\0');
   const std::int32_t dims[] = {2, 2, 2};
-  const float places[] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 2, 2, 2, 2};
-  std::memcpy(bytes.data(), dims, sizeof(dims)), std::memcpy(bytes.data() + sizeof(dims), places, sizeof(places));
+  const float points[] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 2, 2, 2, 2};
+  std::memcpy(bytes.data(), dims, sizeof(dims)), std::memcpy(bytes.data() + sizeof(dims), points, sizeof(points));
   write("binary.xyz", bytes);
   const auto json = json_of({"info", "binary.xyz"});
   EXPECT_EQ(json["cells"], 1);
@@ -180,10 +180,10 @@ std::string two_balls(double d) {
 
 TEST_F(VolumeTool, SeriesInTimeBecomeMeshesAtAnyMoment) {
   std::vector<std::string> series{"volume", "isosurface"};
-  const std::vector<double> places{4, 3, 2, 1, 0};  // they touch at 2.5, their radius
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  const std::vector<double> points{4, 3, 2, 1, 0};  // they touch at 2.5, their radius
+  for (std::size_t i = 0; i < points.size(); ++i) {
     const std::string name = "s" + std::to_string(i) + "_17x17x17_float32.raw";
-    write(name, two_balls(places[i]));
+    write(name, two_balls(points[i]));
     series.push_back(path(name));
   }
   for (const std::string word : {"--unsteady", "--value", "1.5", "--method", "linear", "-o"}) series.push_back(word);

@@ -111,8 +111,8 @@ TEST(SolidExpression, BlendsKnowTheBallsThatTheyAre) {
   const std::vector<Vec3> both{pole, {5, 4, 0.55}}, one{pole, {4, 4, 0.5}};
   EXPECT_EQ(expression->same_at(piece, one), ball);
   EXPECT_NE(expression->same_at(piece, both), ball);
-  EXPECT_NEAR(expression->bend(piece, pole, 1e-3), 1 / 0.55, 1e-2);
-  EXPECT_GT(expression->bend(piece, neck, 1e-3), 1 / 0.55);
+  EXPECT_NEAR(expression->curvature_bound(piece, pole, 1e-3), 1 / 0.55, 1e-2);
+  EXPECT_GT(expression->curvature_bound(piece, neck, 1e-3), 1 / 0.55);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(VolumeDataset, FindsComponentsByNumberAndName) {
 TEST(VolumeDataset, ReportsTheMemoryOfAField) {
   VolumeDataset dataset(with_arrays());
   const auto bytes_of = [&](const std::string& method) {
-    ReconstructionOptions options;
+    VolumeReconstructionOptions options;
     options.method = method;
     Progress progress;
     VolumeReconstructionReport report;
@@ -90,7 +90,7 @@ TEST(VolumeDataset, ErrorsNameAvailableArrays) {
 TEST(VolumeDataset, MagnitudesAreThoseOfTheVectorWithTheirGradients) {
   VolumeDataset dataset(with_arrays());
   Progress progress;
-  ReconstructionOptions linear;
+  VolumeReconstructionOptions linear;
   linear.method = "linear";
   const auto field = dataset.field(dataset.choose("where:magnitude"), linear, progress);
   const auto y = dataset.field(dataset.choose("where:y"), linear, progress);

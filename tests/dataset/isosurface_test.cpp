@@ -30,7 +30,7 @@ double cone(const Vec3& x) { return 1 - norm(x - kCenter); }
 std::shared_ptr<const Isosurface> surface_in(GridData data, double value, const std::string& method = "linear") {
   VolumeDataset dataset(std::move(data));
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   const auto volume = dataset.volume("f", progress);
   const auto field = dataset.field({"f", {}, false}, options, progress);
@@ -178,8 +178,8 @@ TEST(ValueRanges, BoundTheValuesOfNearbyCells) {
         EXPECT_GE(found.most, values[i]);
       }
     }
-    EXPECT_TRUE(ranges.places_of(100).empty());
-    EXPECT_FALSE(ranges.places_of(0.5).empty());
+    EXPECT_TRUE(ranges.points_with(100).empty());
+    EXPECT_FALSE(ranges.points_with(0.5).empty());
   }
 }
 

@@ -16,7 +16,7 @@ namespace {
 std::shared_ptr<const VolumeField> linear_field(GridData data) {
   VolumeDataset dataset(std::move(data));
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "linear";
   return dataset.field({"f", {}, false}, options, progress);
 }

@@ -25,8 +25,8 @@ using Method = std::string;  // name of a method
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
-ReconstructionOptions by(const Method& method) {
-  ReconstructionOptions options;
+VolumeReconstructionOptions by(const Method& method) {
+  VolumeReconstructionOptions options;
   options.method = method;
   return options;
 }
@@ -37,20 +37,20 @@ GridData only(GridData data, Association of) {
   return data;
 }
 
-struct AnswersOfField {
+struct EvaluatedField {
   std::vector<double> values, spacing;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> inside, degrees;
-  friend bool operator==(const AnswersOfField&, const AnswersOfField&) = default;
+  friend bool operator==(const EvaluatedField&, const EvaluatedField&) = default;
 };
 
 /// Answers at points inside and around the volume, without NaN, for comparison.
-AnswersOfField answers_of(const VolumeField& field, const SampledVolume& volume) {
-  std::vector<Vec3> x = places_within(volume, 150);
+EvaluatedField evaluated(const VolumeField& field, const SampledVolume& volume) {
+  std::vector<Vec3> x = points_within(volume, 150);
   const Box3 box = volume.bounds();
   for (int k = 0; k < 30; ++k) x.push_back(box.center() + (x[static_cast<std::size_t>(k)] - box.center()) * 2.5);
   const std::size_t n = x.size(), c = field.components();
-  AnswersOfField a{std::vector<double>(n * c), std::vector<double>(n), std::vector<Vec3>(n * c),
+  EvaluatedField a{std::vector<double>(n * c), std::vector<double>(n), std::vector<Vec3>(n * c),
                    std::vector<std::uint8_t>(n), std::vector<std::uint8_t>(n)};
   field.evaluate(x, {a.values, a.gradients, a.inside});
   if (const auto* const polynomials = dynamic_cast<const DegreeField*>(&field)) polynomials->degrees(x, a.degrees);
@@ -65,7 +65,7 @@ class VolumeFile : public ::testing::Test {
     return VolumeDataset(read_volume_file(folder_ / "f.smv"));
   }
 
-  void expect_same_field(const GridData& data, const ReconstructionOptions& options) {
+  void expect_same_field(const GridData& data, const VolumeReconstructionOptions& options) {
     Progress progress;
     VolumeDataset dataset(data);
     VolumeReconstructionReport report, again;
@@ -74,7 +74,7 @@ class VolumeFile : public ::testing::Test {
     VolumeDataset opened = stored(dataset.fit("f", options, false, progress));
     const auto same = opened.field({"f", {}, false}, options, progress, &again);
     EXPECT_EQ(opened.volume("f", progress)->size(), volume->size());
-    EXPECT_TRUE(answers_of(*field, *volume) == answers_of(*same, *volume));
+    EXPECT_TRUE(evaluated(*field, *volume) == evaluated(*same, *volume));
     EXPECT_EQ(report.by_degree, again.by_degree);
     EXPECT_EQ(report.notes, again.notes);
     EXPECT_EQ(report.options.epsilon, again.options.epsilon);
@@ -93,7 +93,7 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitOnEveryGrid) {
 }
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitByAmls) {
-  ReconstructionOptions few = by("amls");
+  VolumeReconstructionOptions few = by("amls");
   few.iterations = 2, few.order = 4;
   for (const test::NamedGrid& grid : all_grids(wavy)) {
     SCOPED_TRACE(grid.name);
@@ -108,10 +108,10 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
     SCOPED_TRACE(info->name);
     expect_same_field(lattice_grid({7, 6, 5}, wavy), by(std::string(info->name)));
   }
-  ReconstructionOptions spline = by("cubic");
+  VolumeReconstructionOptions spline = by("cubic");
   spline.b = 1, spline.c = 0;
   expect_same_field(lattice_grid({7, 6, 5}, wavy), spline);
-  ReconstructionOptions wide = by("shepard");
+  VolumeReconstructionOptions wide = by("shepard");
   wide.radius = 3;
   expect_same_field(bent_grid({6, 7, 5}, wavy), wide);
 }
@@ -131,7 +131,7 @@ TEST_F(VolumeFile, UsesStoredCoefficientsInsteadOfAFit) {
     }
     VolumeDataset opened(read_volume_file(folder_.put(name, packed(sections, "SMV", 0))));
     const auto volume = opened.volume("f", progress);
-    return answers_of(*opened.field({"f", {}, false}, by("amls"), progress), *volume);
+    return evaluated(*opened.field({"f", {}, false}, by("amls"), progress), *volume);
   };
   const auto before = answers_with(0, "same.smv"), after = answers_with(0.5, "more.smv");
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
@@ -214,18 +214,18 @@ TEST_F(VolumeFile, KeepsArraysFactsAndNotes) {
 TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  ReconstructionOptions planes = by("mls-detail");
+  VolumeReconstructionOptions planes = by("mls-detail");
   planes.degree = 1;
   VolumeDataset opened = stored(dataset.fit("f", planes, true, progress));
   const auto volume = dataset.volume("f", progress);
-  const auto expect_same = [&](const char* array, const ReconstructionOptions& options) {
-    EXPECT_TRUE(answers_of(*dataset.field({array, {}, false}, options, progress), *volume) ==
-                answers_of(*opened.field({array, {}, false}, options, progress), *volume))
+  const auto expect_same = [&](const char* array, const VolumeReconstructionOptions& options) {
+    EXPECT_TRUE(evaluated(*dataset.field({array, {}, false}, options, progress), *volume) ==
+                evaluated(*opened.field({array, {}, false}, options, progress), *volume))
         << array << " " << *options.method;
   };
   expect_same("where", by("mls-detail"));
   expect_same("f", by("linear"));
-  ReconstructionOptions cubics = by("mls-detail");
+  VolumeReconstructionOptions cubics = by("mls-detail");
   cubics.degree = 3;
   expect_same("f", cubics);
   // Absent options match those of the file.

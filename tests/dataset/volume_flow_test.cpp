@@ -37,7 +37,7 @@ class StepField final : public VolumeField {
 
   Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
   std::size_t components() const override { return 3; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Vec3 v = v_(x[i]);
       for (std::size_t c = 0; c < 3 && !wanted.values.empty(); ++c) wanted.values[3 * i + c] = v[c];

@@ -28,7 +28,7 @@ std::string fitted_bytes(const GridData& data, const std::string& method) {
   const Folder folder;
   Progress progress;
   VolumeDataset dataset(data);
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   write_volume_file(folder / "f.smv", dataset.fit("f", options, true, progress));
   return slurp(folder / "f.smv");

@@ -178,7 +178,7 @@ TEST(CutDeformation, SegmentsAskFromFewPlaces) {
   class Counting final : public Occluder {
    public:
     void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const override {
-      places.insert({handle.x, handle.y, handle.z});
+      points.insert({handle.x, handle.y, handle.z});
       inner->detours(handle, x, found);
     }
     void gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const std::array<Vec3, 3>> jacobians,
@@ -192,7 +192,7 @@ TEST(CutDeformation, SegmentsAskFromFewPlaces) {
       inner->border_points(a, b, c, found);
     }
     std::shared_ptr<const Occluder> inner = slot();
-    mutable std::set<std::array<double, 3>> places;
+    mutable std::set<std::array<double, 3>> points;
   };
   const auto cut = std::make_shared<const Counting>();
   std::vector<Handle> handles = opening_handles(0.4);
@@ -210,7 +210,7 @@ TEST(CutDeformation, SegmentsAskFromFewPlaces) {
                 1e-5);
     }
   }
-  EXPECT_LE(cut->places.size(), 7u + 17u);  // bounded cache per handle
+  EXPECT_LE(cut->points.size(), 7u + 17u);  // bounded cache per handle
 }
 
 TEST(CutDeformation, MeshesOpenAndPart) {

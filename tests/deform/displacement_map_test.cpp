@@ -42,7 +42,7 @@ class Formula final : public SpaceMap {
       j[0] += Vec3{0.2 * x.y, 0, 0.2 * x.x}, j[1] += Vec3{0.2 * x.x, 0, 0}, j[2] += Vec3{0, 0.3 * std::cos(x.z), 0};
     return j;
   }
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (!wanted.positions.empty()) wanted.positions[i] = at(x[i]);
       if (!wanted.jacobians.empty()) wanted.jacobians[i] = slopes(x[i]);

@@ -14,7 +14,7 @@ namespace {
 class TwoFolds final : public SpaceMap {
  public:
   explicit TwoFolds(bool gap = false) : gap_(gap) {}
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const bool inside = norm(x[i] - Vec3{-0.5, 0, 0}) < 0.3 || norm(x[i] - Vec3{0.5, 0.2, 0.1}) < 0.2;
       wanted.positions[i] = x[i];

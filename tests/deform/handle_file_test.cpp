@@ -165,7 +165,7 @@ TEST(FoldShapes, LieAroundWhatIsFolded) {
   // x ↦ (x² − x) is folded for x < 1/2.
   class Bent final : public SpaceMap {
    public:
-    void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
       for (std::size_t i = 0; i < x.size(); ++i) {
         if (!wanted.positions.empty()) wanted.positions[i] = {x[i].x * x[i].x - x[i].x, x[i].y, x[i].z};
         if (!wanted.jacobians.empty()) wanted.jacobians[i] = {Vec3{2 * x[i].x - 1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};

@@ -19,9 +19,9 @@ Vec3 about(const Vec3& x, const Vec3& axis, const Vec3& point, double angle) {
 std::vector<Handle> turned_body(double angle, const Vec3& along) {
   const Vec3 axis = normalized(Vec3{1, 2, -0.5}), point{3, 0, 1};
   std::vector<Handle> h(5);
-  const Vec3 places[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 1, 1}};
+  const Vec3 points[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 1, 1}};
   for (std::size_t i = 0; i < h.size(); ++i) {
-    h[i].p = places[i], h[i].q = about(places[i], axis, point, angle) + along;
+    h[i].p = points[i], h[i].q = about(points[i], axis, point, angle) + along;
     h[i].group = "body";
   }
   h[4].p_end = Vec3{4, 1, 1}, h[4].q_end = about(*h[4].p_end, axis, point, angle) + along;

@@ -27,7 +27,7 @@ using Cuts = std::vector<std::shared_ptr<const Occluder>>;
 class Parting final : public SpaceMap {
  public:
   Parting(Vec3 origin, Vec3 normal, double shift) : origin_(origin), normal_(normalized(normal)), shift_(shift) {}
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const bool above = dot(x[i] - origin_, normal_) >= 0;
       if (!wanted.positions.empty()) wanted.positions[i] = x[i] + normal_ * (above ? shift_ : 0);

@@ -21,7 +21,7 @@ class MeanField : public VolumeField {
 
   Box3 bounds() const override { return box_; }
   std::size_t components() const override { return means_.size(); }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& found) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& found) const override {
     const std::size_t n = means_.size();
     for (std::size_t i = 0; i < x.size(); ++i) {
       const bool inside = box_.contains(x[i]);

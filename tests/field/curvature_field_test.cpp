@@ -34,18 +34,19 @@ TEST(PrincipalCurvatures, DiagonalisesTheForm) {
   const Vec3f a{1, 0, 0}, b{0, 1, 0};
   for (const float angle : {0.0f, 0.4f, 1.3f, 2.8f}) {
     const float c = std::cos(angle), s = std::sin(angle);
-    const SurfaceCurvature bend = principal_curvatures_of(3 * c * c - s * s, 4 * c * s, 3 * s * s - c * c, a, b);
-    EXPECT_NEAR(bend.k1, 3, 1e-5f);
-    EXPECT_NEAR(bend.k2, -1, 1e-5f);
-    EXPECT_NEAR(std::abs(dot(bend.direction1, Vec3f{c, s, 0})), 1, 1e-5f);
-    EXPECT_NEAR(dot(bend.direction1, bend.direction2), 0, 1e-6f);
-    EXPECT_TRUE(bend.defined);
+    const PrincipalCurvatures curvature =
+        principal_curvatures_of(3 * c * c - s * s, 4 * c * s, 3 * s * s - c * c, a, b);
+    EXPECT_NEAR(curvature.k1, 3, 1e-5f);
+    EXPECT_NEAR(curvature.k2, -1, 1e-5f);
+    EXPECT_NEAR(std::abs(dot(curvature.direction1, Vec3f{c, s, 0})), 1, 1e-5f);
+    EXPECT_NEAR(dot(curvature.direction1, curvature.direction2), 0, 1e-6f);
+    EXPECT_TRUE(curvature.defined);
   }
 }
 
-TEST(FieldCurvature, OfATorusIsTheFormula) {
+TEST(LevelSetCurvature, OfATorusIsTheFormula) {
   const RingField torus;
-  const FieldCurvature curvature(torus, 0.01);
+  const LevelSetCurvature curvature(torus, 0.01);
   std::vector<Vec3> x;
   std::vector<Vec3f> normals, inward;
   std::vector<double> parallel;
@@ -56,7 +57,7 @@ TEST(FieldCurvature, OfATorusIsTheFormula) {
     x.push_back(Vec3{kRing * std::cos(u), kRing * std::sin(u), 0} + Vec3(normals.back()) * kTube);
     parallel.push_back(out / (kRing + kTube * out));
   }
-  std::vector<SurfaceCurvature> found(x.size()), behind(x.size());
+  std::vector<PrincipalCurvatures> found(x.size()), behind(x.size());
   curvature.evaluate(x, normals, found);
   curvature.evaluate(x, inward, behind);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -72,23 +73,23 @@ TEST(FieldCurvature, OfATorusIsTheFormula) {
   }
 }
 
-TEST(FieldCurvature, IsNotKnownBesideTheDomain) {
+TEST(LevelSetCurvature, IsNotKnownBesideTheDomain) {
   const RingField torus(0.5);
-  const FieldCurvature curvature(torus, 0.01);
+  const LevelSetCurvature curvature(torus, 0.01);
   const double y = std::sqrt(1.35 * 1.35 - 0.495 * 0.495);
   const std::vector<Vec3> x{{0.495, y, 0}, {0, 1.35, 0}};
   const std::vector<Vec3f> normals{normalized(Vec3f(x[0])), {0, 1, 0}};
-  std::vector<SurfaceCurvature> found(2);
+  std::vector<PrincipalCurvatures> found(2);
   curvature.evaluate(x, normals, found);
   EXPECT_FALSE(found[0].defined);
   EXPECT_TRUE(found[1].defined);
 }
 
-TEST(FieldCurvature, WrongInputIsNamed) {
+TEST(LevelSetCurvature, WrongInputIsNamed) {
   const RingField torus;
-  EXPECT_THROW(FieldCurvature(torus, 0), ArgumentError);
-  const FieldCurvature curvature(torus, 0.01);
-  std::vector<SurfaceCurvature> found(2);
+  EXPECT_THROW(LevelSetCurvature(torus, 0), ArgumentError);
+  const LevelSetCurvature curvature(torus, 0.01);
+  std::vector<PrincipalCurvatures> found(2);
   EXPECT_THROW(curvature.evaluate(std::vector<Vec3>(2), std::vector<Vec3f>(1), found), ArgumentError);
 }
 

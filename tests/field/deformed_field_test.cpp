@@ -157,7 +157,7 @@ class ShiftMap final : public SpaceMap {
  public:
   explicit ShiftMap(const Vec3& way, double at = 0) : way_(way), at_(at) {}
   bool has_gaps() const override { return true; }
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     identity_map().map(x, wanted);
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double s = x[i].x - at_, z = s < 0 ? s : s + way_.x, sum = s + z;
@@ -214,7 +214,7 @@ TEST(DeformedField, SolidsReachTheFacesOfCuts) {
 TEST(DeformedField, NothingIsWhereTheMapIsNotDefined) {
   class Half final : public SpaceMap {
    public:
-    void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
       identity_map().map(x, wanted);
       for (std::size_t i = 0; i < x.size(); ++i)
         if (x[i].x > 0 && !wanted.positions.empty()) wanted.positions[i] = {NAN, NAN, NAN};
@@ -251,12 +251,12 @@ TEST(InverseMap, GoesBackAndSaysWhereItCannot) {
   const std::vector<Vec3> x = points_in({{-1, -1, -1}, {1, 1, 1}}, 500);
   std::vector<Vec3> u(x.size());
   twist.map(x, {u, {}, {}, {}});
-  const InverseAnswers back = inverse_map(twist, u, u);
+  const InvertedPoints back = inverse_map(twist, u, u);
   EXPECT_EQ(back.missed, 0u);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(norm(back.positions[i] - x[i]), 1e-9);
   const AffineSpaceMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
   const std::vector<Vec3> targets{{0.5, 0.5, 0}, {0.5, 0.5, 1}}, starts{{0, 0, 0.3}, {0, 0, 0.3}};
-  const InverseAnswers some = inverse_map(flat, targets, starts);
+  const InvertedPoints some = inverse_map(flat, targets, starts);
   EXPECT_EQ(some.found, (std::vector<std::uint8_t>{1, 0}));
   EXPECT_EQ(some.missed, 1u);
   EXPECT_LT(norm(some.positions[1] - Vec3{0.5, 0.5, 0.3}), 1e-9);  // nearest point

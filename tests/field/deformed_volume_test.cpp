@@ -19,7 +19,7 @@ class TwoQuantities final : public VolumeField {
  public:
   Box3 bounds() const override { return {{0, 0, 0}, {1, 1, 1}}; }
   std::size_t components() const override { return 2; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Vec3 p = is_finite(x[i]) ? x[i] : Vec3{};
       if (!wanted.values.empty()) wanted.values[2 * i] = p.x * p.y + p.z, wanted.values[2 * i + 1] = p.z * p.z;

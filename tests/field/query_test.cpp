@@ -81,7 +81,7 @@ TEST(Query, VectorsAtTheirMoments) {
 /// Undefined at one point.
 class Hole final : public SpaceMap {
  public:
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < wanted.positions.size(); ++i)
       wanted.positions[i] = x[i] == kPlaces[0] ? Vec3{kNone, kNone, kNone} : x[i];

@@ -15,7 +15,7 @@ class Wind : public VolumeField {
  public:
   Box3 bounds() const override { return {{0, 0, 0}, {1, 1, 1}}; }
   std::size_t components() const override { return 3; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Vec3& p = x[i];
       const Vec3 value{p.x * p.y, p.z * p.z, -p.x};

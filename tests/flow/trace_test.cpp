@@ -197,7 +197,7 @@ class FastAndSlow final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
   TimeRange times() const override { return {0, 10}; }
-  std::span<const double> moments() const override { return moments_; }
+  std::span<const double> sample_times() const override { return moments_; }
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> /*jacobian*/) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {

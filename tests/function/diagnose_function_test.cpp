@@ -26,16 +26,16 @@ Diagnosis diagnose(const FittedFunction& function, const DiagnoseOptions& option
   return diagnose_function(function, options, progress);
 }
 
-std::vector<SuspiciousPlace> of_kind(const Diagnosis& d, Suspicion kind) {
-  std::vector<SuspiciousPlace> places;
-  for (const SuspiciousPlace& p : d.places)
-    if (p.kind == kind) places.push_back(p);
-  return places;
+std::vector<SuspiciousRegion> of_kind(const Diagnosis& d, Suspicion kind) {
+  std::vector<SuspiciousRegion> regions;
+  for (const SuspiciousRegion& p : d.regions)
+    if (p.kind == kind) regions.push_back(p);
+  return regions;
 }
 
 TEST(Diagnose, NothingIsWrongWithASphere) {
   const Diagnosis d = diagnose(fit_cloud(sphere(5000)));
-  EXPECT_TRUE(d.places.empty());
+  EXPECT_TRUE(d.regions.empty());
   EXPECT_EQ(d.found, (std::array<std::size_t, kSuspicions>{}));
   EXPECT_TRUE(d.edits().empty());
   EXPECT_GT(d.largest_gradient, 0.95);
@@ -81,7 +81,7 @@ TEST(Diagnose, AShiftedPatchHasHighErrorsAlongItsRim) {
       diagnose(fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress));
   const auto errors = of_kind(d, Suspicion::high_error);
   ASSERT_FALSE(errors.empty());
-  for (const SuspiciousPlace& p : errors) {
+  for (const SuspiciousRegion& p : errors) {
     EXPECT_GT(p.position.z, 0.3);
     EXPECT_GT(p.worst, d.error_above);
   }
@@ -102,7 +102,7 @@ TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
   const Diagnosis d = diagnose(fit_cloud(cloud), options);
   const auto low = of_kind(d, Suspicion::low_coverage);
   ASSERT_FALSE(low.empty());
-  for (const SuspiciousPlace& p : low) {
+  for (const SuspiciousRegion& p : low) {
     EXPECT_GT(p.position.z + p.radius, 0.6);
     EXPECT_LT(p.worst, 0.7);
     ASSERT_TRUE(p.edit);
@@ -114,11 +114,11 @@ TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
   const FittedFunction function = fit_cloud(torus(6000));
   DiagnoseOptions options;
   options.gradient_above = 1.001;
-  options.places = 3;
+  options.most_regions = 3;
   const Diagnosis d = diagnose(function, options);
   EXPECT_LE(of_kind(d, Suspicion::steep).size(), 3u);
   EXPECT_GE(d.found[static_cast<std::size_t>(Suspicion::steep)], 1u);
-  EXPECT_EQ(d.edits().size(), d.places.size());
+  EXPECT_EQ(d.edits().size(), d.regions.size());
   EXPECT_EQ(parse_edit_script(edit_script(d.edits())).size(), d.edits().size());
   const auto rejects = [&](auto change) {
     DiagnoseOptions bad;
@@ -195,7 +195,7 @@ TEST(Diagnose, TwoTerrainsAreTwo) {
 
 TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
   SANSMESH_NOT_SANITIZED("judges scripts on larger clouds; others write and run them, too");
-  // Suspicions of all kinds: thresholds that mark sound places, steep ones between sheets, and stray samples.
+  // Suspicions of all kinds: thresholds that mark sound regions, steep ones between sheets, and stray samples.
   PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
   PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
   for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {
@@ -212,7 +212,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
 TEST(Diagnose, FunctionsWithoutSamples) {
   FittedFunction function = fit_cloud(sphere(2000));
   function.samples = std::make_shared<const PointSet>();
-  EXPECT_TRUE(diagnose(function).places.empty());
+  EXPECT_TRUE(diagnose(function).regions.empty());
 }
 
 }  // namespace

@@ -50,21 +50,21 @@ double value_at(const FittedFunction& f, const Vec3& x) {
 std::vector<Vec3> near_surface(const FittedFunction& f, std::size_t n) {
   std::mt19937 random(11);
   std::normal_distribution<double> gauss;
-  std::vector<Vec3> places;
+  std::vector<Vec3> points;
   const auto& samples = f.samples->positions;
   const PartitionData& data = f.field.data();
-  while (places.size() < n) {
+  while (points.size() < n) {
     const Vec3f p(Vec3(samples[random() % samples.size()]) +
                   Vec3{gauss(random), gauss(random), gauss(random)} * (0.5 * f.field.report().spacing));
     for (std::size_t i = 0; i < data.supports.size(); ++i) {
       const Vec3f d = p - data.functions[i].center;
       const float half = 0.49f * data.edge / static_cast<float>(1 << data.supports[i].level);
       if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) > half) continue;
-      places.push_back(f.frame.to_input(data.origin + Vec3(p)));
+      points.push_back(f.frame.to_input(data.origin + Vec3(p)));
       break;
     }
   }
-  return places;
+  return points;
 }
 
 const std::vector<decltype(Edit::action)>& actions() {
@@ -173,21 +173,21 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
   for (const PointSet& cloud : {surveyed(bumpy(5000)), cube(6000)}) {
     const FittedFunction before = fitted(cloud);
     const double size = before.field.bounds().diagonal();
-    const std::vector<Vec3> places = near_surface(before, 6000);
+    const std::vector<Vec3> points = near_surface(before, 6000);
     std::vector<Vec3> inner;
-    for (const Vec3& p : places) inner.push_back(before.frame.from_input(p));
-    std::vector<double> old(places.size()), now(places.size());
+    for (const Vec3& p : points) inner.push_back(before.frame.from_input(p));
+    std::vector<double> old(points.size()), now(points.size());
     before.field.evaluate(inner, old);
     Progress progress;
     for (const auto& action : actions()) {
       FunctionEditor editor(copy_of(before));
-      const Vec3 center = places[17];
+      const Vec3 center = points[17];
       const EditReport report =
           editor.apply(edit_in_ball(center, 0.15 * static_cast<double>(norm(cloud.positions[0])), action), progress);
       editor.function().field.evaluate(inner, now);
       std::size_t differ = 0, outside = 0;
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        const bool in = report.changed.contains(places[i]);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const bool in = report.changed.contains(points[i]);
         outside += !in;
         differ += in && old[i] != now[i];
         if (!in) {
@@ -195,7 +195,7 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
           ASSERT_NEAR(old[i], now[i], 1e-4 * size) << report.what;
         }
       }
-      EXPECT_GT(outside, places.size() / 3) << size;
+      EXPECT_GT(outside, points.size() / 3) << size;
       const Refit* refit = std::get_if<Refit>(&action);
       if (!refit || refit->support) {
         EXPECT_GT(differ, 20u) << report.what;

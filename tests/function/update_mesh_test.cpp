@@ -114,10 +114,10 @@ TEST(UpdateMesh, ManyLocalEditsTogetherStayLocal) {
   const TriangleMesh before = meshed(editor.function());
   Progress progress;
   const std::vector<Action> actions = local_actions();
-  const std::vector<Vec3> places = spread_directions(15);
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  const std::vector<Vec3> points = spread_directions(15);
+  for (std::size_t i = 0; i < points.size(); ++i) {
     const auto along = [&](const Vec3f& a, const Vec3f& b) {
-      return dot(normalized(Vec3(a)), places[i]) < dot(normalized(Vec3(b)), places[i]);
+      return dot(normalized(Vec3(a)), points[i]) < dot(normalized(Vec3(b)), points[i]);
     };
     const Vec3 at(*std::max_element(before.vertices.begin(), before.vertices.end(), along));
     const EditReport report =

@@ -170,7 +170,7 @@ TEST(AlignJob, MovesAfterWhatWasKnownBefore) {
   Progress progress;
   const AnySurface fixed(brick(), "fixed"), moving(moved_by(brick(), {10, 0, 0}), "moving");
   const AffineMap before = AffineMap::translation({-9.8, 0.05, 0});
-  const AlignResult found = align(moving, fixed, {.start = AlignStart::as_it_lies}, progress, before);
+  const AlignResult found = align(moving, fixed, {.start = AlignStart::given_pose}, progress, before);
   const TriangleMesh where = brick();
   double farthest = 0;
   for (std::size_t i = 0; i < where.vertices.size(); ++i)
@@ -223,7 +223,7 @@ TEST(CompareJob, AlignsWhereItIsAskedTo) {
   const AnySurface fixed(brick(), "fixed"), moving(moved_by(brick(), {0.2, 0, 0}), "moving");
   EXPECT_GT(compare(moving, fixed, {}, progress).map.statistics.rms, 0.05);
   const CompareResult found =
-      compare(moving, fixed, {.align = true, .alignment = {.start = AlignStart::as_it_lies}}, progress);
+      compare(moving, fixed, {.align = true, .alignment = {.start = AlignStart::given_pose}}, progress);
   ASSERT_TRUE(found.report.alignment);
   EXPECT_LT(found.map.statistics.rms, 0.01);
   EXPECT_NEAR(found.report.motion.shift.x, -0.2, 0.02);

@@ -193,7 +193,7 @@ TEST(VolumePicturesJob, ChoosesTheViewOfALayerAndTheTitle) {
   EXPECT_EQ(pictures.look().color_title, "where (magnitude) [K]");
   EXPECT_NE(pictures.look().picture.view.direction.elevation, ViewDirection().elevation);
   EXPECT_GT(pictures.render(pictures.look().picture.view.direction, progress).width, 20);
-  options.any_view = false;
+  options.default_view = false;
   EXPECT_EQ(VolumePictures(layer, options, {}, progress).look().picture.view.direction.elevation,
             ViewDirection().elevation);
 }

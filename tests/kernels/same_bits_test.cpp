@@ -322,7 +322,7 @@ TEST(SameBits, Volumes) {
         tetrahedra_grid({5, 4, 6}, hills), two_level_amr(8, hills), scattered_grid(200, hills)})
     expect_same_bits([&](Found& found) {
       const auto volume = volume_of(data);
-      const std::vector<Vec3> x = places_within(*volume, 100);
+      const std::vector<Vec3> x = points_within(*volume, 100);
       for (const auto method : {"linear", "mls", "mls-detail", "amls"}) {
         std::vector<double> values(x.size());
         std::vector<Vec3> gradients(x.size());

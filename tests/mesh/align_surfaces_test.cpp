@@ -67,7 +67,7 @@ TEST(AlignSurfaces, NearStartToTheLastDigits) {
   TriangleMesh moving = fixed;
   transform(moving, AffineMap::translation({0.05, -0.03, 0.08}).after(AffineMap::rotation({0, 1, 1}, 8)));
   SurfaceAlignmentOptions options;
-  options.start = AlignStart::as_it_lies;
+  options.start = AlignStart::given_pose;
   options.samples = 3000;
   Progress progress;
   const SurfaceAlignment found = align_surfaces(moving, fixed, options, progress);
@@ -80,7 +80,7 @@ TEST(AlignSurfaces, NearStartToTheLastDigits) {
   EXPECT_GT(found.median_before, 0.01);
   EXPECT_GT(found.moved, 0.05);
   EXPECT_EQ(found.free_motions, 0);
-  EXPECT_EQ(found.start, AlignStart::as_it_lies);
+  EXPECT_EQ(found.start, AlignStart::given_pose);
 }
 
 TEST(AlignSurfaces, NoiseIsNoOtherShapeAndAMirrorImageIs) {
@@ -134,7 +134,7 @@ TEST(AlignSurfaces, ManyPointsWithoutNormals) {
   Progress progress;
   const SurfaceAlignment found = align_surfaces(moving, fixed, {}, progress);
   EXPECT_LT(largest_error(found, moving, there), 0.001);
-  EXPECT_EQ(found.start, AlignStart::as_it_lies);
+  EXPECT_EQ(found.start, AlignStart::given_pose);
   EXPECT_EQ(found.samples, 20000u);
 }
 
@@ -164,7 +164,7 @@ TEST(AlignSurfaces, OfAnotherUnit) {
 
 TEST(AlignSurfaces, WhatTheShapeDoesNotTell) {
   SurfaceAlignmentOptions options;
-  options.start = AlignStart::as_it_lies;
+  options.start = AlignStart::given_pose;
   options.samples = 3000;
   Progress progress;
   TriangleMesh ball = octasphere(5);
@@ -220,7 +220,7 @@ TEST(PointFeatures, DoNotChangeWhenMoved) {
   std::vector<Vec3> x, n, moved_x, moved_n;
   for (const Vec3f& v : mesh.vertices) {
     x.emplace_back(v), n.push_back(normalized(Vec3(v)));
-    moved_x.push_back(motion(x.back())), moved_n.push_back(motion.turn(n.back()));
+    moved_x.push_back(motion(x.back())), moved_n.push_back(motion.linear(n.back()));
   }
   const auto here = point_features(x, n, 0.5), there = point_features(moved_x, moved_n, 0.5);
   double worst = 0, apart = 0;

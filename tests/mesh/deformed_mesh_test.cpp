@@ -113,7 +113,7 @@ TEST(DeformedMesh, FarAwayNothingIsLost) {
 TEST(DeformedMesh, WhereTheMapIsNotDefinedVerticesStay) {
   class Nowhere final : public SpaceMap {
    public:
-    void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
       identity_map().map(x, wanted);
       for (Vec3& p : wanted.positions) p.x = std::numeric_limits<double>::quiet_NaN();
     }

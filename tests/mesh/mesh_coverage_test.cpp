@@ -13,11 +13,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPlaces = 50000;
+constexpr std::size_t kCount = 50000;
 
-MeshCoverage coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t places = kPlaces) {
+MeshCoverage coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t count = kCount) {
   Progress progress;
-  return measure_coverage(mesh, samples, places, progress);
+  return measure_coverage(mesh, samples, count, progress);
 }
 
 /// Samples of [0, width] × [0, 1]: a lattice of n × n per unit square with small random shifts.
@@ -48,9 +48,9 @@ TEST(MeshCoverage, HalfOfASheetWithoutSamplesIsInventedHoweverLargeItsTriangles)
   EXPECT_NEAR(c.invented.share, 0.5 - 0.5 * c.invented.beyond, 0.005);
   EXPECT_NEAR(c.invented.beyond, 4 * c.spacing, 1e-12);
   EXPECT_EQ(c.lost.share, 0);
-  EXPECT_FALSE(c.lost.most);
-  ASSERT_TRUE(c.invented.most);
-  EXPECT_GT(c.invented.most->x, 1);
+  EXPECT_FALSE(c.lost.densest);
+  ASSERT_TRUE(c.invented.densest);
+  EXPECT_GT(c.invented.densest->x, 1);
 }
 
 TEST(MeshCoverage, HalfOfTheSamplesWithoutSurfaceAreLost) {
@@ -58,19 +58,19 @@ TEST(MeshCoverage, HalfOfTheSamplesWithoutSurfaceAreLost) {
   const MeshCoverage c = coverage(rectangle(1), sheet_samples(n, 2));
   EXPECT_NEAR(c.lost.share, 0.5 - 0.5 * c.lost.beyond, 0.5 / n);
   EXPECT_NEAR(c.lost.beyond, std::max(2 * c.spacing, 4 * c.noise), 1e-12);
-  EXPECT_EQ(c.lost.looked_at, 2u * n * n);
+  EXPECT_EQ(c.lost.tested, 2u * n * n);
   EXPECT_EQ(c.invented.share, 0);
-  EXPECT_FALSE(c.invented.most);
-  ASSERT_TRUE(c.lost.most);
-  EXPECT_GT(c.lost.most->x, 1);
+  EXPECT_FALSE(c.invented.densest);
+  ASSERT_TRUE(c.lost.densest);
+  EXPECT_GT(c.lost.densest->x, 1);
 }
 
 TEST(MeshCoverage, ThereIsNothingToSayOfAWholeSurface) {
   const MeshCoverage c = coverage(test::octasphere(5), test::sphere(5000));
   EXPECT_EQ(c.lost.share, 0);
   EXPECT_EQ(c.invented.share, 0);
-  EXPECT_EQ(c.lost.looked_at, 5000u);
-  EXPECT_EQ(c.invented.looked_at, kPlaces);
+  EXPECT_EQ(c.lost.tested, 5000u);
+  EXPECT_EQ(c.invented.tested, kCount);
 }
 
 TEST(MeshCoverage, NoiseIsNotLost) {
@@ -93,8 +93,8 @@ TEST(MeshCoverage, SaysWhereMostIsLostAndInvented) {
   const MeshCoverage c = coverage(mesh, cloud);
   EXPECT_NEAR(c.lost.share, 1500.0 / 9500, 1e-12);
   EXPECT_NEAR(c.invented.share, (0.04 + 0.16) / 1.2, 0.002);
-  EXPECT_LT(norm(*c.lost.most - Vec3{0, 4, 0}), 0.25);
-  EXPECT_LT(norm(*c.invented.most - Vec3{0, -4, 0}), 0.45);
+  EXPECT_LT(norm(*c.lost.densest - Vec3{0, 4, 0}), 0.25);
+  EXPECT_LT(norm(*c.invented.densest - Vec3{0, -4, 0}), 0.45);
 }
 
 TEST(MeshCoverage, OriginsMayDifferAndSamplesNeedNotBeFinite) {
@@ -105,23 +105,23 @@ TEST(MeshCoverage, OriginsMayDifferAndSamplesNeedNotBeFinite) {
   TriangleMesh mesh = rectangle(1);
   mesh.origin = moved.origin - Vec3{0.5, 0.25, 0};
   const MeshCoverage here = coverage(rectangle(1), cloud), there = coverage(mesh, moved);
-  EXPECT_EQ(there.lost.looked_at, cloud.size());
+  EXPECT_EQ(there.lost.tested, cloud.size());
   EXPECT_NEAR(here.lost.share, there.lost.share, 0.01);
-  EXPECT_GT(there.lost.most->x, 500000);
+  EXPECT_GT(there.lost.densest->x, 500000);
 }
 
 TEST(MeshCoverage, WithoutTrianglesAllIsLost) {
   TriangleMesh flat;
   flat.vertices = {{0, 0, 3}, {1, 0, 3}, {2, 0, 3}};
   EXPECT_EQ(coverage(flat, test::sphere(500)).lost.share, 1);
-  EXPECT_EQ(coverage(flat, test::sphere(500)).invented.looked_at, 0u);
+  EXPECT_EQ(coverage(flat, test::sphere(500)).invented.tested, 0u);
 }
 
 TEST(MeshCoverage, LargeCloudsAreAskedInParts) {
   const PointSet cloud = sheet_samples(100, 2);
-  const FarPlaces all = find_lost(rectangle(1), cloud, 0.01, 0), some = find_lost(rectangle(1), cloud, 0.01, 0, 1000);
-  EXPECT_LE(some.looked_at, 1000u);
-  EXPECT_GT(some.looked_at, 900u);
+  const FarPoints all = find_lost(rectangle(1), cloud, 0.01, 0), some = find_lost(rectangle(1), cloud, 0.01, 0, 1000);
+  EXPECT_LE(some.tested, 1000u);
+  EXPECT_GT(some.tested, 900u);
   EXPECT_NEAR(all.share, some.share, 0.05);
 }
 
@@ -134,8 +134,8 @@ TEST(MeshCoverage, DoesNotDependOnTheNumberOfThreads) {
                           EXPECT_EQ(one.spacing, many.spacing);
                           EXPECT_EQ(one.lost.share, many.lost.share);
                           EXPECT_EQ(one.invented.share, many.invented.share);
-                          EXPECT_EQ(one.invented.most->x, many.invented.most->x);
-                          EXPECT_EQ(one.lost.most->y, many.lost.most->y);
+                          EXPECT_EQ(one.invented.densest->x, many.invented.densest->x);
+                          EXPECT_EQ(one.lost.densest->y, many.lost.densest->y);
                         });
 }
 

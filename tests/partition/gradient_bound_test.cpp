@@ -42,7 +42,7 @@ std::vector<Vec3> in_domain(const FittedFunction& s, std::size_t count) {
   return x;
 }
 
-/// Of 1000 gradients, 999 are within kSoundSlope.
+/// Of 1000 gradients, 999 are within kPlausibleGradient.
 void expect_sound(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, kPoints);
   std::vector<double> values(x.size());
@@ -51,7 +51,7 @@ void expect_sound(const FittedFunction& s) {
   std::size_t steep = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     EXPECT_TRUE(std::isfinite(values[i]));
-    steep += !(norm(gradients[i]) < kSoundSlope);
+    steep += !(norm(gradients[i]) < kPlausibleGradient);
   }
   EXPECT_LT(steep, x.size() / 1000);
 }

@@ -150,8 +150,8 @@ TEST(PaperEdit, AutomaticConstantsOfTheDefaultsFunctionsTakeTheSideOfTheOthersTo
 TEST(PaperEdit, LeavesWhatItDoesNotTouch) {
   const Edited fit = fit_for_edits(sphere_with_dome(1.45f));
   const EditResult r = set_automatic_constant(fit.data(), in_ball(fit.data(), {0, 0, 1.45f}, 0.2f));
-  const PointSet places = test::sphere(500);
-  for (const Vec3f& p : places.positions)
+  const PointSet points = test::sphere(500);
+  for (const Vec3f& p : points.positions)
     if (!any_contains(r.regions, p - Vec3f(fit.data().origin)))
       EXPECT_EQ(edited_value(r.data, Vec3(p)), edited_value(fit.data(), Vec3(p)));
 }

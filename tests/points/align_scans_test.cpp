@@ -219,7 +219,7 @@ TEST(AlignScans, MovesAllThatHasADirection) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Similarity m = cloud.scan_of_point[i] == 0 ? motion : no_motion();
     ASSERT_LT(norm(Vec3(cloud.positions[i]) - m(Vec3(given.positions[i]))), 1e-6);
-    ASSERT_LT(norm(Vec3(cloud.normals[i]) - m.turn(Vec3(given.normals[i]))), 1e-6);
+    ASSERT_LT(norm(Vec3(cloud.normals[i]) - m.rotate(Vec3(given.normals[i]))), 1e-6);
     ASSERT_EQ(cloud.grid_normals[i], cloud.normals[i]);
     ASSERT_LT(norm(m.back(m(Vec3(given.positions[i]))) - Vec3(given.positions[i])), 1e-12);
   }

@@ -41,7 +41,7 @@ void expect_nearest(const std::vector<Vec3f>& points, std::size_t size) {
   ASSERT_FALSE(sample.empty());
   for (const Neighbourhood& n : sample) {
     ASSERT_LE(n.offsets.size(), size);
-    std::vector<Vec3f> nearest = all_offsets(points, n.place);
+    std::vector<Vec3f> nearest = all_offsets(points, n.center);
     ASSERT_GE(nearest.size(), n.offsets.size());
     nearest.resize(n.offsets.size());
     EXPECT_EQ(n.offsets, nearest);

@@ -69,7 +69,7 @@ TEST(NeighbourhoodSample, HoldsAllSamplesNearItsPlaces) {
     std::size_t complete = 0;
     for (const Neighbourhood& neighbourhood : sample) {
       std::vector<Neighbour> expected(neighbourhood.offsets.size());
-      expected.resize(BruteForce(points.positions).nearest(neighbourhood.place, expected));
+      expected.resize(BruteForce(points.positions).nearest(neighbourhood.center, expected));
       ASSERT_EQ(expected.size(), neighbourhood.offsets.size());
       for (std::size_t i = 0; i < expected.size(); ++i)
         ASSERT_FLOAT_EQ(neighbourhood.distances[i], std::sqrt(expected[i].squared_distance));

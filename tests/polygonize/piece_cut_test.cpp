@@ -44,7 +44,7 @@ class Planes final : public PieceExpression {
       if (!gradients.empty()) gradients[i] = planes_[piece].normal;
     }
   }
-  double bend(std::uint32_t, const Vec3&, double) const override { return 0; }
+  double curvature_bound(std::uint32_t, const Vec3&, double) const override { return 0; }
   std::uint32_t same_at(std::uint32_t piece, std::span<const Vec3>) const override { return piece; }
   std::uint32_t same_within(std::uint32_t piece, const Vec3&, double) const override { return piece; }
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kWidth = 81;
 
-RenderOptions open_light(double reach, double bend = 0) {
+RenderOptions open_light(double reach, double curvature = 0) {
   RenderOptions options;
   options.view.width = options.view.height = kWidth;
   options.view.orthographic = true;
@@ -30,7 +30,7 @@ RenderOptions open_light(double reach, double bend = 0) {
   options.look.ground = false;
   options.look.background = Background::transparent();
   options.look.accessibility = reach;
-  options.look.curvature_shading = bend;
+  options.look.curvature_shading = curvature;
   return options;
 }
 
@@ -167,39 +167,41 @@ TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
 }
 
 /// Constant curvature.
-class EvenBend final : public CurvatureField {
+class ConstantCurvature final : public CurvatureField {
  public:
-  explicit EvenBend(float bend) : bend_(bend) {}
-  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceCurvature> bends) const override {
-    std::fill(bends.begin(), bends.end(), SurfaceCurvature{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
+  explicit ConstantCurvature(float curvature) : curvature_(curvature) {}
+  void evaluate(std::span<const Vec3>, std::span<const Vec3f>,
+                std::span<PrincipalCurvatures> curvatures) const override {
+    std::fill(curvatures.begin(), curvatures.end(),
+              PrincipalCurvatures{curvature_, curvature_, {1, 0, 0}, {0, 1, 0}, true});
   }
 
  private:
-  float bend_;
+  float curvature_;
 };
 
 TEST(Accessibility, BendsGiveAndTakeLight) {
   const TriangleMesh ball = test::octasphere(4);
   const double diagonal = std::sqrt(12.0);
   Progress progress;
-  for (const float bend : {-3.0f, -0.5f, 0.0f, 0.5f}) {
+  for (const float curvature : {-3.0f, -0.5f, 0.0f, 0.5f}) {
     RenderOptions options = open_light(0.2, 0.4);
-    options.look.curvature = std::make_shared<EvenBend>(bend);
+    options.look.curvature = std::make_shared<ConstantCurvature>(curvature);
     options.look.surface_color = {0.5f, 0.5f, 0.5f};  // below the compression of highlights
     const Image image = render_mesh(ball, options, progress);
-    const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
-    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << bend;
+    const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(curvature) * 0.2 * diagonal);
+    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << curvature;
   }
 }
 
 TEST(Accessibility, WhatIsBentInAsFarAsCanBeIsDarkNotLit) {
   const TriangleMesh ball = test::octasphere(3);
   Progress progress;
-  for (const float bend : {-1e30f, -std::numeric_limits<float>::infinity()}) {
+  for (const float curvature : {-1e30f, -std::numeric_limits<float>::infinity()}) {
     RenderOptions options = open_light(0.2, 1);
-    options.look.curvature = std::make_shared<EvenBend>(bend);
+    options.look.curvature = std::make_shared<ConstantCurvature>(curvature);
     const Image image = render_mesh(ball, options, progress);
-    EXPECT_LT(light_at(image, options, kWidth / 2, kWidth / 2), 1e-3) << bend;
+    EXPECT_LT(light_at(image, options, kWidth / 2, kWidth / 2), 1e-3) << curvature;
   }
 }
 
@@ -208,7 +210,7 @@ TEST(Accessibility, DoesNotDependOnThreads) {
   const test::Spheres sphere({1});
   RenderOptions options = open_light(0.3, 0.5);
   options.view.direction = {20, 40};
-  options.look.curvature = std::make_shared<FieldCurvature>(sphere, 0.01);
+  options.look.curvature = std::make_shared<LevelSetCurvature>(sphere, 0.01);
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     return render_mesh(half, options, progress).pixels;

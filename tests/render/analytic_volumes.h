@@ -24,7 +24,7 @@ class FormulaVolume : public VolumeField {
 
   Box3 bounds() const override { return box; }
   std::size_t components() const override { return 1; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     parallel_for(0, x.size(), 512, [&](std::size_t i) {
       if (!wanted.values.empty()) wanted.values[i] = value(x[i]);
       if (!wanted.gradients.empty()) wanted.gradients[i] = gradient(x[i]);
@@ -74,7 +74,7 @@ struct TwoSpecks {
   TwoSpecks& operator=(const TwoSpecks&) = delete;
 
   /// Spread over the insides of both.
-  std::vector<Vec3> places() const {
+  std::vector<Vec3> points() const {
     std::vector<Vec3> x;
     for (const Vec3& c : centers)
       for (int k = -1; k <= 1; ++k)

@@ -41,11 +41,11 @@ std::vector<Vec3> anywhere(std::size_t count, std::uint32_t seed) {
   return x;
 }
 
-struct FoundAnswers {
+struct EvaluatedField {
   std::vector<double> values;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> inside;
-  FoundAnswers(const VolumeField& field, std::span<const Vec3> x)
+  EvaluatedField(const VolumeField& field, std::span<const Vec3> x)
       : values(x.size()), gradients(x.size()), inside(x.size()) {
     field.evaluate(x, {values, gradients, inside});
   }
@@ -58,7 +58,7 @@ TEST(BakedVolume, LinearFieldsStayAsTheyAre) {
   EXPECT_LT(baked.report().error_most, 1e-6);
   EXPECT_TRUE(baked.report().finished);
   const std::vector<Vec3> x = anywhere(2000, 1);
-  const FoundAnswers exact(field, x), found(baked, x);
+  const EvaluatedField exact(field, x), found(baked, x);
   for (std::size_t i = 0; i < x.size(); ++i) {
     EXPECT_NEAR(found.values[i], exact.values[i], 2e-6);
     EXPECT_LT(norm(found.gradients[i] - exact.gradients[i]), 1e-6);
@@ -78,7 +78,7 @@ TEST(BakedVolume, ErrorsAreAsReported) {
     EXPECT_LE(r.cell_error_most, tolerance);
     EXPECT_GT(r.levels, 1);
     const std::vector<Vec3> x = anywhere(20000, 2);
-    const FoundAnswers exact(field, x), found(baked, x);
+    const EvaluatedField exact(field, x), found(baked, x);
     double sum = 0, most = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double e = std::abs(found.values[i] - exact.values[i]) / (r.most - r.least);
@@ -109,7 +109,7 @@ TEST(BakedVolume, HasNoCracks) {
       x.push_back(a), x.push_back(b);
     }
   }
-  const FoundAnswers found(baked, x);
+  const EvaluatedField found(baked, x);
   double jump = 0, bend = 0;
   for (std::size_t i = 0; i < x.size(); i += 2) {
     jump = std::max(jump, std::abs(found.values[i] - found.values[i + 1]));
@@ -133,7 +133,7 @@ TEST(BakedVolume, RangesHoldAllValues) {
     std::vector<Vec3> x;
     for (const Vec3& p : u)
       x.push_back(boxes[i].lower + Vec3{p.x * 0.3 * d[i].x, p.y * 0.3 * d[i].y, p.z * 0.3 * d[i].z});
-    for (const double v : FoundAnswers(baked, x).values) {
+    for (const double v : EvaluatedField(baked, x).values) {
       EXPECT_GE(v, found[i].least - 1e-6);
       EXPECT_LE(v, found[i].most + 1e-6);
     }
@@ -178,7 +178,7 @@ TEST(BakedVolume, RefinementTendsToTheField) {
   const BakedVolume at_once(field, options, progress);
   EXPECT_EQ(at_once.report().bricks, baked.report().bricks);
   const std::vector<Vec3> x = anywhere(3000, 7);
-  EXPECT_TRUE(FoundAnswers(at_once, x).values == FoundAnswers(baked, x).values);
+  EXPECT_TRUE(EvaluatedField(at_once, x).values == EvaluatedField(baked, x).values);
 }
 
 TEST(BakedVolume, KeepsToItsMemory) {
@@ -200,7 +200,7 @@ TEST(BakedVolume, KnowsInsideAndAnswersEverywhere) {
   Progress progress;
   const BakedVolume baked(field, {}, progress);
   const std::vector<Vec3> x = anywhere(5000, 8);
-  const FoundAnswers found(baked, x);
+  const EvaluatedField found(baked, x);
   std::vector<double> spacing(x.size());
   baked.spacing(x, spacing);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -210,7 +210,7 @@ TEST(BakedVolume, KnowsInsideAndAnswersEverywhere) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), far = 1e30;
   const std::vector<Vec3> odd{
       {nan, 0, 0}, {far, far, -far}, {0, std::numeric_limits<double>::infinity(), 0}, {1, 1, 1}};
-  const FoundAnswers strange(baked, odd);
+  const EvaluatedField strange(baked, odd);
   for (std::size_t i = 0; i < odd.size(); ++i) {
     EXPECT_TRUE(std::isfinite(strange.values[i]) && is_finite(strange.gradients[i]));
     if (!is_finite(odd[i])) EXPECT_EQ(strange.values[i], 0);
@@ -226,22 +226,22 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   };
   specks.field.value = [=](const Vec3& x) { return squared_norm(x - nearest(x)); };
   specks.field.gradient = [=](const Vec3& x) { return (x - nearest(x)) * 2; };
-  const std::vector<Vec3> places = specks.places();
+  const std::vector<Vec3> points = specks.points();
   Progress progress;
   const BakedVolume blind(specks.field, {}, progress);
   BakeOptions options;
-  options.samples = places, options.tolerance = 0.02;
+  options.samples = points, options.tolerance = 0.02;
   const BakedVolume baked(specks.field, options, progress);
   EXPECT_EQ(blind.report().checked, 0u);
-  EXPECT_EQ(baked.report().checked, places.size());
+  EXPECT_EQ(baked.report().checked, points.size());
   EXPECT_TRUE(baked.report().finished);
   EXPECT_LE(baked.report().cell_error_most, options.tolerance);
   EXPECT_LT(baked.report().error_most, 3 * options.tolerance);
-  const FoundAnswers exact(specks.field, places), found(baked, places), missed(blind, places);
+  const EvaluatedField exact(specks.field, points), found(baked, points), missed(blind, points);
   double worst = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(missed.inside[i], 0);
-    if (norm(places[i] - nearest(places[i])) < 0.8 * specks.radius) EXPECT_EQ(found.inside[i], 1) << i;
+    if (norm(points[i] - nearest(points[i])) < 0.8 * specks.radius) EXPECT_EQ(found.inside[i], 1) << i;
     worst = std::max(worst, std::abs(found.values[i] - exact.values[i]));
   }
   EXPECT_LT(worst, 3 * options.tolerance * (baked.report().most - baked.report().least));
@@ -262,12 +262,12 @@ TEST(BakedVolume, MagnitudesOfValuesAndLengthsChangeNothingButTheFactor) {
     const BakedVolume baked(other, {}, progress);
     std::vector<Vec3> x = anywhere(300, 4);
     for (Vec3& p : x) p = p * length;
-    return FoundAnswers(baked, x);
+    return EvaluatedField(baked, x);
   };
-  const FoundAnswers expected = baked_answers(1, 1);
+  const EvaluatedField expected = baked_answers(1, 1);
   for (const auto& [factor, length] :
        {std::pair{0x1p-200, 1.0}, {0x1p200, 1.0}, {1.0, 0x1p-140}, {0x1p-110, 0x1p100}}) {
-    const FoundAnswers found = baked_answers(factor, length);
+    const EvaluatedField found = baked_answers(factor, length);
     EXPECT_EQ(found.inside, expected.inside);
     for (std::size_t i = 0; i < expected.values.size(); ++i) {
       ASSERT_EQ(found.values[i], factor * expected.values[i]) << factor << " " << length;
@@ -285,7 +285,7 @@ TEST(BakedVolume, SameForAnyThreads) {
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     const BakedVolume baked(field, {}, progress);
-    return FoundAnswers(baked, x).values;
+    return EvaluatedField(baked, x).values;
   });
 }
 

@@ -59,28 +59,28 @@ class TallRing final : public NearDistance {
   }
 };
 
-BallUnion balls_at(const std::vector<Vec3>& places, float radius) {
+BallUnion balls_at(const std::vector<Vec3>& points, float radius) {
   BallUnion balls;
-  for (const Vec3& p : places) balls.centers.push_back(Vec3f(p)), balls.radii.push_back(radius);
+  for (const Vec3& p : points) balls.centers.push_back(Vec3f(p)), balls.radii.push_back(radius);
   return balls;
 }
 
 BallUnion wave_balls() {
-  std::vector<Vec3> places;
+  std::vector<Vec3> points;
   for (double x = -1; x <= 1.001; x += 0.05)
-    for (double y = -1; y <= 1.001; y += 0.05) places.push_back({x, y, kHeight * std::cos(kWave * x)});
-  return balls_at(places, 0.08f);
+    for (double y = -1; y <= 1.001; y += 0.05) points.push_back({x, y, kHeight * std::cos(kWave * x)});
+  return balls_at(points, 0.08f);
 }
 
 BallUnion ring_balls() {
-  std::vector<Vec3> places;
+  std::vector<Vec3> points;
   for (int i = 0; i < 120; ++i)
     for (int j = 0; j < 50; ++j) {
       const double u = 2 * std::numbers::pi * i / 120, v = 2 * std::numbers::pi * j / 50;
       const double r = kRing + kTubeWide * std::cos(v);
-      places.push_back({r * std::cos(u), r * std::sin(u), kTubeTall * std::sin(v)});
+      points.push_back({r * std::cos(u), r * std::sin(u), kTubeTall * std::sin(v)});
     }
-  return balls_at(places, 0.1f);
+  return balls_at(points, 0.1f);
 }
 
 struct Drawing {
@@ -97,9 +97,9 @@ Drawing draw(const ScalarField& field, const BallUnion& balls, std::shared_ptr<c
   options.picture.look.curvature = std::move(curvature);
   const SurfaceCaster caster(field, balls);
   const PictureFrame frame{{}, 2};
-  std::vector<Vec3f> places;
-  for (const Vec3f& p : balls.centers) places.push_back(frame.to_picture(Vec3(p)));
-  Drawing d{picture_camera(places, frame, options.picture), {}};
+  std::vector<Vec3f> points;
+  for (const Vec3f& p : balls.centers) points.push_back(frame.to_picture(Vec3(p)));
+  Drawing d{picture_camera(points, frame, options.picture), {}};
   options.picture.look.shadows = options.picture.look.ground = false;
   options.picture.quality.occlusion_rays = 0;
   const SurfaceScene scene(caster, frame, d.camera, nullptr, options);
@@ -142,7 +142,7 @@ TEST(LineInk, ASpheresSilhouetteIsWhereItTurnsAway) {
 
 TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
   const Waves waves;
-  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(waves, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 2;
@@ -167,7 +167,7 @@ TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
 
 TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
   const TallRing ring;
-  const auto curvature = std::make_shared<FieldCurvature>(ring, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(ring, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 5;  // the value is 14.4 there
@@ -187,9 +187,9 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
 
 TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
   const test::Spheres sphere({1});
-  const auto of_sphere = std::make_shared<FieldCurvature>(sphere, 0.02);
+  const auto of_sphere = std::make_shared<LevelSetCurvature>(sphere, 0.02);
   const test::Torus torus;
-  const auto of_torus = std::make_shared<FieldCurvature>(torus, 0.02);
+  const auto of_torus = std::make_shared<LevelSetCurvature>(torus, 0.02);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 0.5;
@@ -204,7 +204,7 @@ TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
 
 TEST(LineInk, DoesNotDependOnThreads) {
   const Waves waves;
-  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
+  const auto curvature = std::make_shared<LevelSetCurvature>(waves, 0.01);
   const BallUnion balls = wave_balls();
   test::expect_equal_for_any_threads([&] { return draw(waves, balls, curvature).ink.pixels; });
 }

@@ -187,13 +187,13 @@ std::vector<double> scanned(double air, double body, double dense, std::uint32_t
 TEST(ValueHistogram, PlacesTellOfVolumesThatFillLittleOfTheirBox) {
   const test::TwoSpecks specks({1, 0, 0});
   EXPECT_THROW(value_histogram(specks.field, 1000), DataError);
-  std::vector<Vec3> places = specks.places();
-  places.push_back({std::nan(""), 0, 0});
-  const ValueHistogram h = value_histogram(specks.field, 1000, places);
+  std::vector<Vec3> points = specks.points();
+  points.push_back({std::nan(""), 0, 0});
+  const ValueHistogram h = value_histogram(specks.field, 1000, points);
   EXPECT_DOUBLE_EQ(h.least, specks.centers[0].x - 0.5 * specks.radius);
   EXPECT_DOUBLE_EQ(h.most, specks.centers[1].x + 0.5 * specks.radius);
   // More samples than points: some from all parts.
-  const ValueHistogram fewer = value_histogram(specks.field, 10, places);
+  const ValueHistogram fewer = value_histogram(specks.field, 10, points);
   EXPECT_LT(fewer.least, 0.2);
   EXPECT_GT(fewer.most, 0.8);
   // If the lattice suffices, samples change nothing.

@@ -274,11 +274,11 @@ TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
     boundary.triangles.push_back(t);
   }
   for (const Vec3f& v : ball.vertices) boundary.vertices.push_back(Vec3f(specks.centers[1] + Vec3(v) * specks.radius));
-  const std::vector<Vec3> places = specks.places();
+  const std::vector<Vec3> points = specks.points();
   Progress progress;
   for (const bool given : {true, false}) {
     VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
-    if (given) subject.samples = places;
+    if (given) subject.samples = points;
     const VolumePicture picture(subject, progress);
     EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
     EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;

@@ -56,7 +56,7 @@ struct Report : Found {
         reported<&Report::whole>({.text = "Whole"}),
         reported<&Report::hole>({.text = "Hole"}),
         reported<&Report::parts>({.text = "Parts"}),
-        reported_beside<&Report::whole>()};
+        reported_inline<&Report::whole>()};
     static constexpr ReportSchema schema{rows};
     return schema;
   }
@@ -116,7 +116,7 @@ TEST(ReportRow, PartsAreVisitedOneAfterTheOther) {
   report.hole = Part{9};
   EXPECT_EQ(areas(row("hole"), report), (std::vector<double>{9}));
   const ReportRow& beside = Report::schema().rows.back();
-  EXPECT_TRUE(beside.beside);
+  EXPECT_TRUE(beside.inlined);
   EXPECT_EQ(areas(beside, report), (std::vector<double>{6}));
 }
 

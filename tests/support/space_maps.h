@@ -12,7 +12,7 @@ namespace sansmesh::test {
 class AffineSpaceMap final : public SpaceMap {
  public:
   AffineSpaceMap(const Jacobian& by, const Vec3& to) : by_(by), to_(to) {}
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (!wanted.positions.empty()) wanted.positions[i] = by_[0] * x[i].x + by_[1] * x[i].y + by_[2] * x[i].z + to_;
       if (!wanted.jacobians.empty()) wanted.jacobians[i] = by_;
@@ -42,7 +42,7 @@ inline AffineSpaceMap identity_map() { return {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Ve
 class TwistMap final : public SpaceMap {
  public:
   explicit TwistMap(double rate) : rate_(rate) {}
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double c = std::cos(rate_ * x[i].z), s = std::sin(rate_ * x[i].z);
       const Vec3 u{c * x[i].x - s * x[i].y, s * x[i].x + c * x[i].y, x[i].z};
@@ -64,7 +64,7 @@ class SplitMap final : public SpaceMap {
  public:
   explicit SplitMap(double half, double near = std::numeric_limits<double>::infinity()) : half_(half), near_(near) {}
   bool has_gaps() const override { return true; }
-  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+  void map(std::span<const Vec3> x, const MappedPoints& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double side = x[i].x < 0 ? -1 : 1, gap = half_ - std::abs(x[i].x);
       const bool known = gap > -near_;

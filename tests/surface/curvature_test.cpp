@@ -20,15 +20,15 @@ using Weights = CurvatureOptions::Weights;
 
 constexpr Curved kShapes[] = {Curved::sphere, Curved::torus, Curved::ellipsoid};
 
-std::vector<PrincipalCurvatures> curvatures(const PointSet& points, const CurvatureOptions& options = {}) {
+std::vector<FittedCurvatures> curvatures(const PointSet& points, const CurvatureOptions& options = {}) {
   Progress progress;
-  std::vector<PrincipalCurvatures> found = estimate_curvatures(points, options, progress);
+  std::vector<FittedCurvatures> found = estimate_curvatures(points, options, progress);
   EXPECT_EQ(found.size(), points.size());
   return found;
 }
 
 /// Root mean square error of both curvatures over their root mean square.
-double relative_error(const CurvedCloud& truth, const std::vector<PrincipalCurvatures>& found) {
+double relative_error(const CurvedCloud& truth, const std::vector<FittedCurvatures>& found) {
   double error = 0, size = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const double d1 = static_cast<double>(found[i].k1) - truth.k1[i],
@@ -79,7 +79,7 @@ TEST(Curvature, NeedsWeightsThatDistrustNearSamples) {
       options.offset = options.refit_normal = false;
       options.neighbours = neighbours;
       options.weights = weights;
-      std::vector<PrincipalCurvatures> found(x.size());
+      std::vector<FittedCurvatures> found(x.size());
       CurvatureEstimator(cloud.points, options).evaluate(x, x, found);
       return relative_error(places, found);
     };
@@ -132,7 +132,7 @@ TEST(Curvature, DirectionsAreThoseOfTheSurface) {
     const auto found = curvatures(cloud.points);
     std::size_t judged = 0, good = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const PrincipalCurvatures& c = found[i];
+      const FittedCurvatures& c = found[i];
       ASSERT_TRUE(c.defined);
       ASSERT_GE(c.k1, c.k2);
       ASSERT_NEAR(norm(c.direction1), 1, 1e-5);
@@ -207,7 +207,7 @@ TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
       x.emplace_back(cloud.points.positions[i]);
       normals.emplace_back(cloud.points.normals[i]);
     }
-    std::vector<PrincipalCurvatures> found(x.size());
+    std::vector<FittedCurvatures> found(x.size());
     estimator.evaluate(x, normals, found);
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_TRUE(found[i].defined);
@@ -225,7 +225,7 @@ TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
     // Far away the curvatures are undefined.
     for (Vec3& p : x) p *= 10.0;
     estimator.evaluate(x, normals, found);
-    for (const PrincipalCurvatures& c : found) EXPECT_FALSE(c.defined);
+    for (const FittedCurvatures& c : found) EXPECT_FALSE(c.defined);
   }
 }
 
@@ -239,7 +239,7 @@ TEST(Curvature, SeesOneSheetOfAThinPlate) {
     plate.normals.push_back({0, 0, side});
   }
   std::size_t defined = 0;
-  for (const PrincipalCurvatures& c : curvatures(plate)) {
+  for (const FittedCurvatures& c : curvatures(plate)) {
     if (!c.defined) continue;
     ++defined;
     EXPECT_LT(curvedness(c), 1e-3f);
@@ -252,12 +252,12 @@ TEST(Curvature, OfDegenerateInputIsUndefined) {
   EXPECT_TRUE(curvatures(points).empty());
   points.positions.assign(100, {1, 1, 1});
   points.normals.assign(100, {0, 0, 1});
-  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  for (const FittedCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
   for (std::size_t i = 0; i < 100; ++i) points.positions[i] = {static_cast<float>(i), 0, 0};
-  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  for (const FittedCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
   points.positions.resize(4);
   points.normals.resize(4);
-  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  for (const FittedCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
   CurvedCloud cloud = curved_cloud(Curved::sphere, 2000, 0, 12);
   cloud.points.positions[7].x = std::numeric_limits<float>::quiet_NaN();
   cloud.points.normals[8] = {};
@@ -288,12 +288,12 @@ TEST(Curvature, ChecksItsArguments) {
   bad([](CurvatureOptions& o) { o.noise = -1; });
   const CurvatureEstimator estimator(points, {});
   std::vector<Vec3> x(2), normals(1);
-  std::vector<PrincipalCurvatures> result(2);
+  std::vector<FittedCurvatures> result(2);
   EXPECT_THROW(estimator.evaluate(x, normals, result), ArgumentError);
 }
 
 TEST(Curvature, DerivedMeasures) {
-  PrincipalCurvatures c;
+  FittedCurvatures c;
   EXPECT_EQ(shape_index(c), 0);
   c.k1 = 3, c.k2 = 1;
   EXPECT_FLOAT_EQ(mean_curvature(c), 2);

@@ -36,20 +36,20 @@ class SphereProjection final : public Projection {
 /// Points about `apart` from each other on spirals on a sphere, alternately a little off it.
 std::vector<Vec3f> beside_sphere(double apart, double off) {
   const auto n = static_cast<std::size_t>(4 * std::numbers::pi / (apart * apart));
-  std::vector<Vec3f> places;
+  std::vector<Vec3f> points;
   for (std::size_t i = 0; i < n; ++i) {
     const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(n);
     const double turn = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5));
     const double r = std::sqrt(1 - z * z);
     const double scale = 1 + off * (static_cast<double>(i % 3) - 1);
-    places.push_back(Vec3f(Vec3{r * std::cos(turn), r * std::sin(turn), z} * scale));
+    points.push_back(Vec3f(Vec3{r * std::cos(turn), r * std::sin(turn), z} * scale));
   }
-  return places;
+  return points;
 }
 
 SurfaceFeet sphere_feet() {
-  const std::vector<Vec3f> places = beside_sphere(static_cast<double>(kApart), 0.05);
-  return find_feet(SphereProjection(), places, std::vector<float>(places.size(), kApart));
+  const std::vector<Vec3f> points = beside_sphere(static_cast<double>(kApart), 0.05);
+  return find_feet(SphereProjection(), points, std::vector<float>(points.size(), kApart));
 }
 
 std::vector<Vec3> shell(double least, double most) {
@@ -126,7 +126,7 @@ TEST(FootField, KeepsSheetsApart) {
         foot.defined = true;
         feet.feet.push_back(foot);
         feet.spacing.push_back(kApart);
-        feet.place.push_back(static_cast<std::uint32_t>(feet.place.size()));
+        feet.start.push_back(static_cast<std::uint32_t>(feet.start.size()));
       }
   const FootField field(feet);
   const std::vector<Vec3> x{{0.03, 0.02, 0.06}, {0.03, 0.02, 0.03}, {0.03, 0.02, -0.01}, {0.03, 0.02, -0.07}};
@@ -139,9 +139,9 @@ TEST(FootField, KeepsSheetsApart) {
 }
 
 TEST(FootField, FeetAreFoundAndStraysAreNot) {
-  std::vector<Vec3f> places{{0, 0, 1.1f}, {0, 0, 1.4f}, {0, 0, 2}, {0.9f, 0, 0}};
-  const SurfaceFeet feet = find_feet(SphereProjection(), places, std::vector<float>(4, kApart));
-  EXPECT_EQ(feet.place, (std::vector<std::uint32_t>{0, 3}));  // four spacings away; undefined
+  std::vector<Vec3f> points{{0, 0, 1.1f}, {0, 0, 1.4f}, {0, 0, 2}, {0.9f, 0, 0}};
+  const SurfaceFeet feet = find_feet(SphereProjection(), points, std::vector<float>(4, kApart));
+  EXPECT_EQ(feet.start, (std::vector<std::uint32_t>{0, 3}));  // four spacings away; undefined
   for (const FootPoint& foot : feet.feet) EXPECT_NEAR(norm(foot.position), 1, 1e-6);
   EXPECT_THROW(FootField(SurfaceFeet{}), DataError);
 }

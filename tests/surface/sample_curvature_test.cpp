@@ -32,7 +32,7 @@ TEST(SampleCurvature, OfACylinderHasItsDirections) {
     for (const double side : {1.0, -1.0}) {
       const std::vector<Vec3> x{frame.to_input(normal + Vec3{0, 0, 0.2})};
       const std::vector<Vec3f> normals{Vec3f(normal * side)};
-      std::vector<SurfaceCurvature> found(1);
+      std::vector<PrincipalCurvatures> found(1);
       curvature.evaluate(x, normals, found);
       ASSERT_TRUE(found[0].defined);
       EXPECT_NEAR(found[0].k1, side > 0 ? 0.1f : 0.0f, 2e-3f);
@@ -53,11 +53,11 @@ TEST(SampleCurvature, IsSmoothBetweenSamples) {
     x.push_back({std::cos(angle), 0, std::sin(angle)});
     normals.push_back(Vec3f(x.back()));
   }
-  std::vector<SurfaceCurvature> found(x.size());
+  std::vector<PrincipalCurvatures> found(x.size());
   curvature.evaluate(x, normals, found);
   for (std::size_t i = 0; i < x.size(); ++i) {
-    EXPECT_NEAR(found[i].mean(), 1, 5e-3f);
-    if (i > 0) EXPECT_NEAR(found[i].mean(), found[i - 1].mean(), 5e-4f);
+    EXPECT_NEAR(mean_curvature(found[i]), 1, 5e-3f);
+    if (i > 0) EXPECT_NEAR(mean_curvature(found[i]), mean_curvature(found[i - 1]), 5e-4f);
   }
 }
 

@@ -27,7 +27,7 @@ PointSet samples_of(const TriangleMesh& mesh) {
   return points;
 }
 
-std::vector<PrincipalCurvatures> curvatures_of(const TriangleMesh& mesh, CurvatureOptions options = {}) {
+std::vector<FittedCurvatures> curvatures_of(const TriangleMesh& mesh, CurvatureOptions options = {}) {
   Progress progress;
   if (!options.noise) options.noise = 0;
   return estimate_vertex_curvatures(samples_of(mesh), options, progress);
@@ -35,7 +35,7 @@ std::vector<PrincipalCurvatures> curvatures_of(const TriangleMesh& mesh, Curvatu
 
 /// Root mean square error of both curvatures over their root mean square.
 template <class Truth>
-double error_of(const TriangleMesh& mesh, const std::vector<PrincipalCurvatures>& found, const Truth& truth) {
+double error_of(const TriangleMesh& mesh, const std::vector<FittedCurvatures>& found, const Truth& truth) {
   double off = 0, all = 0;
   for (std::size_t v = 0; v < found.size(); ++v) {
     EXPECT_TRUE(found[v].defined) << v;
@@ -89,7 +89,7 @@ TEST(VertexCurvature, AtBordersIsAsOfWhatIsThere) {
   std::erase_if(bowl.triangles, [&](const Triangle& t) {
     return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return bowl.vertices[v].z < -0.3f; });
   });
-  const std::vector<PrincipalCurvatures> found = curvatures_of(bowl);
+  const std::vector<FittedCurvatures> found = curvatures_of(bowl);
   for (std::size_t v = 0; v < found.size(); ++v) {
     if (!found[v].defined) {
       EXPECT_LT(bowl.vertices[v].z, -0.3f) << "of no triangle";
@@ -120,7 +120,7 @@ TEST(VertexCurvature, SeamsAreNoBorders) {
     for (const std::uint32_t v : t) soup.vertices.push_back(whole.vertices[v]);
     soup.triangles.push_back({base, base + 1, base + 2});
   }
-  const std::vector<PrincipalCurvatures> apart = curvatures_of(soup), together = curvatures_of(whole);
+  const std::vector<FittedCurvatures> apart = curvatures_of(soup), together = curvatures_of(whole);
   for (std::size_t i = 0; i < whole.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_NEAR(apart[3 * i + k].k1, together[whole.triangles[i][k]].k1, 0.01);
@@ -202,7 +202,7 @@ TEST(VertexCurvature, AnyThreads) {
   const TriangleMesh mesh = torus_mesh(96, 48);
   expect_equal_for_any_threads([&] {
     std::vector<float> numbers;
-    for (const PrincipalCurvatures& c : curvatures_of(mesh)) numbers.insert(numbers.end(), {c.k1, c.k2, c.offset});
+    for (const FittedCurvatures& c : curvatures_of(mesh)) numbers.insert(numbers.end(), {c.k1, c.k2, c.offset});
     return numbers;
   });
 }

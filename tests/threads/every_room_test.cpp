@@ -183,7 +183,7 @@ TEST(EveryRoom, FunctionsAreEditedAndJudged) {
     }
     found << update_mesh(editor.function(), mesh, editor.changed(), {}, progress);
     const Diagnosis diagnosis = diagnose_function(editor.function(), {}, progress);
-    return found << diagnosis.largest_gradient << static_cast<double>(diagnosis.places.size());
+    return found << diagnosis.largest_gradient << static_cast<double>(diagnosis.regions.size());
   });
 }
 
@@ -290,7 +290,7 @@ TEST(EveryRoom, SamplesAreJudgedAndConsolidated) {
     const PointSet cloud = test::torus(9000);
     Progress progress;
     Findings found;
-    for (const PrincipalCurvatures& c : estimate_curvatures(cloud, {}, progress)) found << c.k1 << c.k2;
+    for (const FittedCurvatures& c : estimate_curvatures(cloud, {}, progress)) found << c.k1 << c.k2;
     const CurvatureColors colors(cloud, {}, progress);
     const std::vector<Vec3> x(cloud.positions.begin(), cloud.positions.end());
     std::vector<Vec3f> shown(x.size());
@@ -352,7 +352,7 @@ TEST(EveryRoom, VolumesAreAsked) {
     for (const Association a : {Association::points, Association::cells}) {
       Progress progress;
       const auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, a, progress));
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = "linear";
       const auto field = reconstruct_volume(volume, "f", options, progress);
       const auto x = points_about(3000, 1);

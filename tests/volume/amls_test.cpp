@@ -60,13 +60,13 @@ TEST(Amls, SpheresReachAcrossCellsThatEllipsoidsFit) {
     ASSERT_NEAR(norm(balls[i]({1, 2, 3})), norm(balls[i]({3, -1, 2})), 1e-4 * norm(balls[i]({1, 2, 3})));
   }
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "amls";
   options.epsilon = 1, options.iterations = 2;
-  const std::vector<Vec3> places = places_within(*volume, 300);
-  const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
+  const std::vector<Vec3> points = points_within(*volume, 300);
+  const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), points, layered);
   options.spherical = true;
-  const double spheres = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
+  const double spheres = most_error(*reconstruct_volume(volume, "f", options, progress), points, layered);
   EXPECT_GT(spheres, 3 * ellipsoids);
   const auto lattice = volume_of(lattice_grid({5, 5, 5}, hilly));
   EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);
@@ -131,14 +131,14 @@ TEST(AmlsField, IsNowhereWorseThanLinear) {
       SCOPED_TRACE(grid.name);
       const auto volume = volume_of(grid.data, grid.association);
       if (!has_linear_share(*volume)) continue;
-      const auto x = places_within(*volume, 3000);
+      const auto x = points_within(*volume, 3000);
       EXPECT_LE(most_error(*field_of(volume, "amls"), x, f), most_error(*field_of(volume, "linear"), x, f));
     }
 }
 
 TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
   const auto volume = volume_of(lattice_grid({30, 30, 30}, hilly));
-  const auto x = places_within(*volume, 500);
+  const auto x = points_within(*volume, 500);
   expect_equal_for_any_threads([&] {
     std::vector<double> values(x.size());
     field_of(volume, "amls")->evaluate(x, {values});
@@ -147,8 +147,8 @@ TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
 }
 
 // Samples within `rings` edges of the corners of a cell.
-std::set<std::uint32_t> around(const SampledVolume& volume, const VolumePlace& place, int rings) {
-  std::set<std::uint32_t> all(place.corners.begin(), place.corners.begin() + place.corner_count);
+std::set<std::uint32_t> around(const SampledVolume& volume, const CellLocation& location, int rings) {
+  std::set<std::uint32_t> all(location.corners.begin(), location.corners.begin() + location.corner_count);
   std::vector<std::uint32_t> star;
   for (int ring = 0; ring < rings; ++ring)
     for (const std::uint32_t i : std::vector<std::uint32_t>(all.begin(), all.end())) {
@@ -167,17 +167,17 @@ TEST(SupportIndex, ContainsAllSupportsThatReachACell) {
     const std::vector<float> radii(volume->size(), 2.0f);
     const SupportIndex index(*volume, metrics.metrics.view(), radii);
     const VolumeLocator locator(*volume);
-    const auto x = places_within(*volume, 200);
-    std::vector<VolumePlace> places(x.size());
-    locator.locate(x, places);
+    const auto x = points_within(*volume, 200);
+    std::vector<CellLocation> locations(x.size());
+    locator.locate(x, locations);
     SupportIndex::Memory found;
     std::size_t listed = 0, reaching = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      index.of_cell(places[i], found);
+      index.of_cell(locations[i], found);
       const std::set<std::uint32_t> list(found.supports.begin(), found.supports.end());
       listed += list.size();
       std::set<std::uint32_t> near;
-      if (!volume->lattice) near = around(*volume, places[i], SupportIndex::kRings);
+      if (!volume->lattice) near = around(*volume, locations[i], SupportIndex::kRings);
       for (std::uint32_t j = 0; j < volume->size(); ++j)
         if ((volume->lattice || near.contains(j)) && norm(metrics.metric(*volume, j)(x[i] - volume->position(j))) < 2) {
           ++reaching;

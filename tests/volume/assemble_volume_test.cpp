@@ -152,14 +152,14 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
       EXPECT_EQ(std::set<std::uint32_t>(of_cell.begin(), of_cell.end()).size(), of_cell.size());
     }
     EXPECT_GT(volume_of_cells(*volume), 0);
-    const auto x = places_within(*volume, 20);
-    std::vector<VolumePlace> places(x.size());
-    VolumeLocator(*volume).locate(x, places);
+    const auto x = points_within(*volume, 20);
+    std::vector<CellLocation> locations(x.size());
+    VolumeLocator(*volume).locate(x, locations);
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});
     for (std::size_t k = 0; k < x.size(); ++k) {
       // Many of these cells are folded several times, and cover some points repeatedly.
-      if (!places[k].inside) {
+      if (!locations[k].inside) {
         ++missed;
         continue;
       }

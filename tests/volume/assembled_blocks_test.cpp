@@ -93,13 +93,13 @@ TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
     for (std::size_t b = 0; b < 3; ++b) {
       GridData single;
       single.blocks = {data.blocks[b]};
-      const auto x = places_within(*volume_of(single, a), 2000);
-      std::vector<VolumePlace> places(x.size());
-      locator.locate(x, places);
+      const auto x = points_within(*volume_of(single, a), 2000);
+      std::vector<CellLocation> locations(x.size());
+      locator.locate(x, locations);
       for (std::size_t i = 0; i < x.size(); ++i) {
-        ASSERT_TRUE(places[i].inside) << "block " << b << ", point " << i;
+        ASSERT_TRUE(locations[i].inside) << "block " << b << ", point " << i;
         const std::uint32_t sample =
-            a == Association::cells ? volume->cell_sample[places[i].cell] : places[i].corners[0];
+            a == Association::cells ? volume->cell_sample[locations[i].cell] : locations[i].corners[0];
         held[b] += volume->block[sample] == b;
       }
     }

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-ReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
+VolumeReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
   constexpr std::size_t kSamples = 24;
   std::vector<double> values;
   for (std::size_t k = 0; k < kSamples; ++k)
@@ -34,18 +34,18 @@ ReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
 }
 
 TEST(ChooseReconstruction, SmoothLatticesGetPolynomialsEdgesAndNoiseCubics) {
-  const ReconstructionChoice smooth =
+  const VolumeReconstructionChoice smooth =
       chosen_for([](const Vec3& x) { return std::sin(4 * x.x) * std::cos(3 * x.y) + x.z; });
   EXPECT_EQ(smooth.method, "mls-detail") << smooth.why;
   // Smooth except at the surface of a ball.
-  const ReconstructionChoice edges = chosen_for([](const Vec3& x) {
+  const VolumeReconstructionChoice edges = chosen_for([](const Vec3& x) {
     return std::sin(4 * x.x) * std::cos(3 * x.y) + (norm(x - Vec3{0.5, 0.5, 0.5}) < 0.3 ? 5 : 0);
   });
   EXPECT_EQ(edges.method, "cubic") << edges.why;
   EXPECT_NE(edges.why.find("edges"), std::string::npos) << edges.why;
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.05);
-  const ReconstructionChoice noisy = chosen_for([&](const Vec3& x) { return x.x + noise(random); });
+  const VolumeReconstructionChoice noisy = chosen_for([&](const Vec3& x) { return x.x + noise(random); });
   EXPECT_EQ(noisy.method, "cubic") << noisy.why;
 }
 

@@ -50,7 +50,7 @@ std::vector<Method> all_of_them() {
 TEST(ClassicFields, ReproduceConstants) {
   for_each_field([](const Vec3&) { return 3.25; }, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, const Method&) {
-                   const auto x = places_within(volume, 60);
+                   const auto x = points_within(volume, 60);
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
                    std::vector<std::uint8_t> inside(x.size());
@@ -66,7 +66,7 @@ TEST(ClassicFields, ReproduceConstants) {
 TEST(ClassicFields, ReproduceStraightFunctions) {
   for_each_field(linear_function, std::vector<Method>{"mean-value", "rbf", "bernstein", "cubic", "lagrange"},
                  [](const SampledVolume& volume, const VolumeField& field, const Method&) {
-                   const auto x = places_within(volume, 100);
+                   const auto x = points_within(volume, 100);
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
                    field.evaluate(x, {values, gradients});
@@ -83,7 +83,7 @@ TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
                                tetrahedra_grid({5, 4, 6}, linear_function), scattered_grid(300, linear_function)}) {
     const auto volume = volume_of(data);
     const auto field = field_of(volume, "sibson");
-    auto x = places_within(*volume, 400);
+    auto x = points_within(*volume, 400);
     std::erase_if(x, [](const Vec3& p) { return std::min({p.x, p.y, p.z, 1 - p.x, 1 - p.y, 1 - p.z}) < 0.1; });
     ASSERT_GT(x.size(), 30u);
     for (const std::uint32_t s : {7u, 11u, 60u}) x.push_back(volume->position(s));  // and at samples
@@ -122,7 +122,7 @@ TEST(ClassicFields, InterpolateTheirSamples) {
 TEST(ClassicFields, GradientsAreDerivativesOfTheValues) {
   for_each_field(smooth, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
-                   const auto x = places_within(volume, 40);
+                   const auto x = points_within(volume, 40);
                    const double h = 1e-6;
                    std::vector<Vec3> shifted;
                    for (const Vec3& p : x)
@@ -213,7 +213,7 @@ TEST(ClassicFields, AnswersDoNotDependOnTheRequest) {
     for (const auto association : {Association::points, Association::cells}) {
       const auto volume = volume_of(data, association);
       const Box3 box = volume->bounds();
-      auto x = places_within(*volume, 50);
+      auto x = points_within(*volume, 50);
       for (int i = 0; i < 125; ++i) {
         constexpr double kAlong[] = {-3, -0.03, 0.4, 1.07, 2};
         const Vec3 u{kAlong[i % 5], kAlong[i / 5 % 5], kAlong[i / 25]};
@@ -246,7 +246,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
         volume_of(suits(method, *volume_of(o_grid({9, 4, 4}, smooth))) ? o_grid({17, 5, 6}, smooth)
                                                                        : lattice_grid({7, 6, 8}, smooth));
     const auto field = field_of(volume, method);
-    const auto x = places_within(*volume, 300);
+    const auto x = points_within(*volume, 300);
     const auto all = [&] {
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
@@ -276,12 +276,12 @@ TEST(ClassicFields, ComponentsAreIndependent) {
     for (std::size_t i = 0; i < f.rows(); ++i) vectors.insert(vectors.end(), {2.0, f.number(i), -f.number(i)});
     block.point_arrays.set("v", std::move(vectors), 3);
     const auto volume = volume_of(data);
-    const auto x = places_within(*volume, 50);
+    const auto x = points_within(*volume, 50);
     for (const Method& method : all_of_them()) {
       if (!suits(method, *volume)) continue;
       SCOPED_TRACE(method);
       Progress progress;
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = method;
       const auto vector = reconstruct_volume(volume, "v", options, progress);
       ASSERT_EQ(vector->components(), 3u);
@@ -305,7 +305,7 @@ TEST(ClassicFields, SamplesInCellsReachTheSurface) {
   for (const GridData& data :
        {lattice_grid({8, 8, 8}, smooth), bent_grid({8, 8, 8}, smooth), two_level_amr(8, smooth)}) {
     const auto volume = volume_of(data, Association::cells);
-    const auto x = places_within(*volume, 400);
+    const auto x = points_within(*volume, 400);
     const auto worst = [&](const Method& method) {
       std::vector<double> values(x.size());
       field_of(volume, method)->evaluate(x, {values});
@@ -353,7 +353,7 @@ TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
     const auto at = [](const Vec3& p) { return smooth({p.x, p.y, p.z * 1e3}); };
     const auto plain = volume_of(one_block(tetrahedra_of(lattice_block({6, 6, 6})), smooth));
     const auto flat = volume_of(one_block(tetrahedra_of(curvilinear_block(lattice_block({6, 6, 6}), stretch)), at));
-    const auto x = places_within(*plain, 100);
+    const auto x = points_within(*plain, 100);
     std::vector<Vec3> y;
     for (const Vec3& p : x) y.push_back(stretch(p));
     std::vector<double> a(x.size()), b(x.size());
@@ -370,7 +370,7 @@ TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
              stretched = volume_of(stretched_grid({4, 4, 4}, smooth));
   for (const Method& method : {"cubic", "sinc", "lagrange"}) EXPECT_THROW(field_of(bent, method), ArgumentError);
   EXPECT_THROW(field_of(stretched, "sinc"), ArgumentError);
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "lagrange";
   options.degree = 0;
   EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);

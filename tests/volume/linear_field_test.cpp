@@ -13,7 +13,7 @@ TEST(LinearField, ReproducesLinearFunctionsOnEveryGrid) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const auto field = field_of(volume, "linear");
-    const auto x = places_within(*volume, 500);
+    const auto x = points_within(*volume, 500);
     std::vector<double> values(x.size());
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size());
@@ -80,7 +80,7 @@ TEST(LinearField, StaysWithinTheRangeOfSamplesAtCorners) {
     if (grid.association == Association::cells) continue;
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data);
-    const auto x = places_within(*volume, 1000);
+    const auto x = points_within(*volume, 1000);
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});
     for (const double v : values) ASSERT_TRUE(v >= -1e-9 && v <= 1 + 1e-9) << v;
@@ -90,7 +90,7 @@ TEST(LinearField, StaysWithinTheRangeOfSamplesAtCorners) {
 TEST(LinearField, AnswersDependOnThePointAlone) {
   const auto volume = volume_of(o_grid({17, 5, 6}, linear_function));
   const auto field = field_of(volume, "linear");
-  const auto x = places_within(*volume, 5000);
+  const auto x = points_within(*volume, 5000);
   const auto all = [&] {
     std::vector<double> values(x.size());
     field->evaluate(x, {values});
@@ -110,7 +110,7 @@ TEST(NearestField, AnswersTheNearestSample) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const auto field = field_of(volume, "nearest");
-    const auto x = places_within(*volume, 100);
+    const auto x = points_within(*volume, 100);
     std::vector<double> values(x.size());
     field->evaluate(x, {values});
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -128,7 +128,7 @@ TEST(Reconstruction, ErrorsNameTheCause) {
   Progress progress;
   EXPECT_THROW(volume_method("cubist"), ArgumentError);
   EXPECT_EQ(volume_method("linear").name, "linear");
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "linear";
   try {
     reconstruct_volume(volume, "g", options, progress);

@@ -20,7 +20,7 @@ double wave_of_magnitude(const Vec3& x) {
 std::vector<double> answers(const GridData& data, const std::string& method, bool slopes) {
   const auto volume = volume_of(data);
   const auto field = field_of(volume, method);
-  const auto x = places_within(*volume, 40);
+  const auto x = points_within(*volume, 40);
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
   field->evaluate(x, {values, gradients});
@@ -65,7 +65,7 @@ GridData vectors_times(double factor, double last = 1) {
 std::vector<double> vector_answers(const GridData& data, const std::string& method) {
   const auto volume = volume_of(data);
   const auto field = field_of(volume, method);
-  const auto x = places_within(*volume, 40);
+  const auto x = points_within(*volume, 40);
   std::vector<double> values(3 * x.size());
   field->evaluate(x, {values});
   return values;
@@ -126,7 +126,7 @@ TEST(Magnitudes, OutOfRangeAreErrors) {
   Progress progress;
   const auto error_of = [&](const VolumeFunction& f, const std::string& method) -> std::string {
     try {
-      ReconstructionOptions options;
+      VolumeReconstructionOptions options;
       options.method = method;
       reconstruct_volume(volume_of(lattice_grid({5, 5, 5}, f)), "f", options, progress);
     } catch (const DataError& error) {

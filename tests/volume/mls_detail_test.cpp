@@ -23,7 +23,7 @@ double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) 
 
 std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "mls-detail", options.robust = robust;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
@@ -33,7 +33,7 @@ TEST(MlsDetail, ReproducesLinearFunctionsOnEveryGrid) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const auto field = field_of(volume, "mls-detail");
-    const auto x = places_within(*volume, 500);
+    const auto x = points_within(*volume, 500);
     std::vector<double> values(x.size()), spacings(x.size());
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size()), degrees(x.size());
@@ -59,7 +59,7 @@ TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
     const auto volume = volume_of(data);
     const auto field = field_of(volume, "mls-detail");
     const Vec3 middle = volume->bounds().center();
-    std::vector<Vec3> x = places_within(*volume, 2000);
+    std::vector<Vec3> x = points_within(*volume, 2000);
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
     ASSERT_GT(x.size(), 20u);
     std::vector<double> values(x.size());
@@ -80,7 +80,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearAndOnAverageMuchBetter) {
     SCOPED_TRACE(grid.name);
     if (grid.name.ends_with("cells")) continue;  // cell values are means there, not function values
     const auto volume = volume_of(grid.data, grid.association);
-    const auto x = places_within(*volume, 5000);
+    const auto x = points_within(*volume, 5000);
     const Errors linear = errors_of(*field_of(volume, "linear"), x, wave);
     const Errors detail = errors_of(*field_of(volume, "mls-detail"), x, wave);
     EXPECT_LE(detail.most, linear.most);
@@ -96,7 +96,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
     const double phase = 6 * uniform(), number = 4 + 2 * uniform(), growth = 1.8 + 0.4 * uniform();
     const VolumeFunction f = [=](const Vec3& x) { return std::cos(number * x.z + phase) * (1.3 + std::cos(4 * x.y)); };
     const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({8, 8, 8}, {}, {1, 1, 1}, growth)), f));
-    const auto x = places_within(*volume, 5000);
+    const auto x = points_within(*volume, 5000);
     const Errors linear = errors_of(*field_of(volume, "linear"), x, f);
     const Errors detail = errors_of(*field_of(volume, "mls-detail"), x, f);
     EXPECT_LE(detail.mean, linear.mean) << seed;
@@ -111,7 +111,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearAtFrontsThatEndInCoarseCells) {
       SCOPED_TRACE(std::to_string(offset) + ", " + std::to_string(growth));
       const VolumeFunction front = [&](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y + offset)); };
       const auto volume = volume_of(bent_grid({10, 10, 10}, front, growth));
-      const auto x = places_within(*volume, 20000);
+      const auto x = points_within(*volume, 20000);
       EXPECT_LE(errors_of(*field_of(volume, "mls-detail"), x, front).most,
                 errors_of(*field_of(volume, "linear"), x, front).most);
     }
@@ -122,7 +122,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
     return (1.25 + std::cos(5.4 * x.y)) * std::cos(6 * x.z) / (6 + 6 * (3 * x.x - 1) * (3 * x.x - 1));
   };
   const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({20, 20, 20}, {}, {1, 1, 1}, 1.2)), hills));
-  const auto x = places_within(*volume, 50000);
+  const auto x = points_within(*volume, 50000);
   EXPECT_LE(errors_of(*field_of(volume, "mls-detail"), x, hills).most,
             errors_of(*field_of(volume, "linear"), x, hills).most);
 }
@@ -171,7 +171,7 @@ TEST(MlsDetail, ErrorsFallWithTheFourthOrder) {
   double before = 0;
   for (const std::size_t n : {9u, 17u}) {
     const auto volume = volume_of(bent_grid({n, n, n}, wave));
-    std::vector<Vec3> x = places_within(*volume, 20000);
+    std::vector<Vec3> x = points_within(*volume, 20000);
     const Vec3 middle = volume->bounds().center();
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.3; });
     const double mean = errors_of(*field_of(volume, "mls-detail"), x, wave).mean;
@@ -185,7 +185,7 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
     const auto volume = volume_of(data, association);
     const auto field = field_of(volume, "mls-detail");
     // Differences cross cell faces, where gradients may jump slightly.
-    EXPECT_LE(wrong_gradients(*field, places_within(*volume, 300)), 6u);
+    EXPECT_LE(wrong_gradients(*field, points_within(*volume, 300)), 6u);
   };
   check(bent_grid({6, 7, 5}, wave), Association::points);
   check(mixed_grid({7, 4, 4}, wave), Association::points);
@@ -199,7 +199,7 @@ TEST(MlsDetail, StepsHaveNoSmearingOrRinging) {
        {std::pair{"lattice", lattice_grid({14, 14, 14}, step)}, std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(data);
-    const auto x = places_within(*volume, 20000);
+    const auto x = points_within(*volume, 20000);
     const auto robust = detail_of(volume, true), plain = detail_of(volume, false);
     std::vector<double> values(x.size());
     robust->evaluate(x, {values});
@@ -234,7 +234,7 @@ TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
 
 TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
   const auto shared = with_values_at_samples(*volume_of(two_level_amr(12, wave), Association::cells), wave);
-  const auto x = places_within(*shared, 5000);
+  const auto x = points_within(*shared, 5000);
   const Errors linear = errors_of(*field_of(shared, "linear"), x, wave);
   const Errors detail = errors_of(*field_of(shared, "mls-detail"), x, wave);
   EXPECT_LE(detail.most, linear.most);
@@ -259,7 +259,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
       return function({d.x / size.x, d.y / size.y, d.z / size.z});
     };
     const auto sampled = with_values_at_samples(*volume, f);
-    const auto x = places_within(*sampled, 50000);
+    const auto x = points_within(*sampled, 50000);
     const Errors linear = errors_of(*field_of(sampled, "linear"), x, f);
     const Errors detail = errors_of(*field_of(sampled, "mls-detail"), x, f);
     EXPECT_LE(detail.most, linear.most);
@@ -287,7 +287,7 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
   for (const Association a : {Association::points, Association::cells}) {
     const auto volume = volume_of(data, a);
     const auto field = field_of(volume, "mls-detail");
-    const auto x = places_within(*volume, 1000);
+    const auto x = points_within(*volume, 1000);
     std::vector<double> values(x.size());
     field->evaluate(x, {values});
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(values[i], x[i].z > 0.105 ? 1 : 0, 1e-6);
@@ -343,7 +343,7 @@ TEST(MlsDetail, IsFiniteEverywhereAndZeroAtNonFinitePoints) {
 TEST(MlsDetail, AnswersDependOnThePointAlone) {
   for (const auto& volume :
        {volume_of(o_grid({17, 5, 6}, wave)), volume_of(two_level_amr(8, wave), Association::cells)}) {
-    const auto x = places_within(*volume, 3000);
+    const auto x = points_within(*volume, 3000);
     std::vector<double> alone(x.size());
     const auto field = field_of(volume, "mls-detail");
     for (std::size_t i = 0; i < x.size(); i += 7)

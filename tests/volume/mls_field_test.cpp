@@ -25,7 +25,7 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
       if (slivers && method == "amls") continue;
       const auto volume = volume_of(grid.data, grid.association);
       const auto field = field_of(volume, method);
-      const auto x = places_within(*volume, 300);
+      const auto x = points_within(*volume, 300);
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
       field->evaluate(x, {values, gradients});
@@ -70,7 +70,7 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     const auto volume = volume_of(data);
     const auto field = field_of(volume, "mls");
     const Vec3 middle = volume->bounds().center();
-    std::vector<Vec3> x = places_within(*volume, 2000);
+    std::vector<Vec3> x = points_within(*volume, 2000);
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
     std::vector<double> values(x.size());
     std::vector<std::uint8_t> degrees(x.size());
@@ -93,7 +93,7 @@ TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
     };
     const auto volume = volume_of(lattice_grid(layers, turned));
     const auto field = field_of(volume, "mls-detail");
-    const auto x = places_within(*volume, 500);
+    const auto x = points_within(*volume, 500);
     std::vector<double> values(x.size());
     std::vector<std::uint8_t> degrees(x.size());
     field->evaluate(x, {values});
@@ -111,7 +111,7 @@ TEST(MlsField, IsBetterThanLinearOnAverage) {
     if (grid.name.ends_with("cells")) continue;  // cell values are means there, not function values
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
-    const auto x = places_within(*volume, 3000);
+    const auto x = points_within(*volume, 3000);
     const double linear = mean_error(*field_of(volume, "linear"), x, bump);
     EXPECT_LT(mean_error(*field_of(volume, "mls"), x, bump), 0.8 * linear);
     if (grid.name == "lattice" || grid.name == "bent" || grid.name == "tetrahedra")
@@ -134,7 +134,7 @@ TEST(MlsField, IsNeverWorseThanLinear) {
       if (grid.name == "overlapping, cells" && k == 1) continue;
       SCOPED_TRACE(grid.name + ", function " + std::to_string(k));
       const auto volume = with_values_at_samples(*volume_of(grid.data, grid.association), functions[k]);
-      const auto x = places_within(*volume, 3000);
+      const auto x = points_within(*volume, 3000);
       const Errors linear = errors_of(*field_of(volume, "linear"), x, functions[k]);
       const Errors mls = errors_of(*field_of(volume, "mls"), x, functions[k]);
       const double spare = k == 0 ? 1 : 1.01;  // a hundredth where samples are too sparse for any method
@@ -147,13 +147,13 @@ TEST(MlsField, GradientsAreDerivativesOfTheValues) {
   const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
   for (const auto method : {"mls", "amls"}) {
     // Some points are near corners, where mls falls back on linear interpolation.
-    EXPECT_LE(wrong_gradients(*field_of(volume, method), places_within(*volume, 300)), 10u);
+    EXPECT_LE(wrong_gradients(*field_of(volume, method), points_within(*volume, 300)), 10u);
   }
 }
 
 TEST(MlsField, DegreesAboveFourAreRefused) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "mls";
   const auto volume = volume_of(bent_grid({4, 4, 4}, bump));
   options.degree = 4;
@@ -172,7 +172,7 @@ TEST(AmlsField, MoreIterationsReduceResiduals) {
   double before = std::numeric_limits<double>::infinity();
   for (const int n : {0, 3, 12}) {
     Progress progress;
-    ReconstructionOptions options;
+    VolumeReconstructionOptions options;
     options.method = "amls";
     options.epsilon = 1.5, options.iterations = n;
     const double error = mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
@@ -183,7 +183,7 @@ TEST(AmlsField, MoreIterationsReduceResiduals) {
 
 TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = "amls";
   VolumeReconstructionReport report;
   reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);
@@ -194,7 +194,7 @@ TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
 TEST(MlsField, AnswersDependOnThePointAlone) {
   const auto volume = volume_of(o_grid({13, 5, 6}, bump));
   for (const auto method : {"mls", "amls"}) {
-    const auto x = places_within(*volume, 1000);
+    const auto x = points_within(*volume, 1000);
     const auto all = [&] {
       std::vector<double> values(x.size());
       field_of(volume, method)->evaluate(x, {values});

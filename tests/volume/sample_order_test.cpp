@@ -169,7 +169,7 @@ TEST(SampleOrder, HasNoEffectOnAnyAnswer) {
   const std::string kMethods[] = {"linear", "mls", "mls-detail", "amls"};
   for (const NamedGrid& grid : grids) {
     SCOPED_TRACE(grid.name + (grid.association == Association::cells ? ", cells" : ""));
-    std::vector<Vec3> x = places_within(*volume_of(grid.data, grid.association), 300);
+    std::vector<Vec3> x = points_within(*volume_of(grid.data, grid.association), 300);
     for (const Vec3& more : {Vec3{-1, 0.5, 0.5}, Vec3{1.2, 3, -0.5}, Vec3{0.5, 0.5, 0.5}}) x.push_back(more);
     const GridData other = shuffled_data(grid.data, 11);
     for (const std::string& method : kMethods) {

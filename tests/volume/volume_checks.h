@@ -13,7 +13,7 @@
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "volume/volume_grids.h"
-#include "volume/volume_places.h"
+#include "volume/volume_points.h"
 
 namespace sansmesh::test {
 
@@ -58,7 +58,7 @@ inline std::shared_ptr<const SampledVolume> volume_of(const GridData& data, Asso
 
 inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume> volume, const std::string& method) {
   Progress progress;
-  ReconstructionOptions options;
+  VolumeReconstructionOptions options;
   options.method = method;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }

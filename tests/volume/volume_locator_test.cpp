@@ -10,7 +10,7 @@
 namespace sansmesh::test {
 namespace {
 
-Vec3 corner_place(const SampledVolume& volume, std::uint32_t c) {
+Vec3 corner_position(const SampledVolume& volume, std::uint32_t c) {
   return volume.lattice ? volume.lattice->position(c) : volume.corner(c);
 }
 
@@ -19,18 +19,18 @@ TEST(VolumeLocator, FindsPointsByTheirWeights) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const VolumeLocator locator(*volume);
-    const auto x = places_within(*volume, 2000);
-    std::vector<VolumePlace> places(x.size());
-    locator.locate(x, places);
+    const auto x = points_within(*volume, 2000);
+    std::vector<CellLocation> locations(x.size());
+    locator.locate(x, locations);
     const double size = volume->bounds().diagonal();
     for (std::size_t i = 0; i < x.size(); ++i) {
-      ASSERT_TRUE(places[i].inside) << i;
+      ASSERT_TRUE(locations[i].inside) << i;
       Vec3 there;
       double sum = 0;
-      for (std::size_t c = 0; c < places[i].corner_count; ++c) {
-        there += corner_place(*volume, places[i].corners[c]) * places[i].weights[c];
-        sum += places[i].weights[c];
-        if (!volume->lattice) ASSERT_GE(places[i].weights[c], -1e-9) << i;
+      for (std::size_t c = 0; c < locations[i].corner_count; ++c) {
+        there += corner_position(*volume, locations[i].corners[c]) * locations[i].weights[c];
+        sum += locations[i].weights[c];
+        if (!volume->lattice) ASSERT_GE(locations[i].weights[c], -1e-9) << i;
       }
       ASSERT_NEAR(sum, 1, 1e-12) << i;
       ASSERT_LT(norm(there - x[i]), 1e-9 * size) << i;
@@ -43,16 +43,16 @@ TEST(VolumeLocator, SlopesOfShapeFunctionsAreTheirDifferences) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     const VolumeLocator locator(*volume);
-    for (const Vec3& x : places_within(*volume, 50)) {
+    for (const Vec3& x : points_within(*volume, 50)) {
       constexpr double kStep = 1e-6;
-      VolumePlace at;
+      CellLocation at;
       locator.locate({&x, 1}, {&at, 1});
       std::array<Vec3, 8> slopes;
       shape_gradients(*volume, at, x, slopes);
       for (std::size_t k = 0; k < 3; ++k) {
         Vec3 ahead = x, behind = x;
         ahead[k] += kStep, behind[k] -= kStep;
-        VolumePlace a, b;
+        CellLocation a, b;
         locator.locate({&ahead, 1}, {&a, 1});
         locator.locate({&behind, 1}, {&b, 1});
         if (a.cell != at.cell || b.cell != at.cell || !a.inside || !b.inside) continue;
@@ -73,13 +73,13 @@ TEST(VolumeLocator, IsAccurateInThinLayersFarFromTheOrigin) {
   const auto volume = volume_of(one_block(bent, linear_function));
   EXPECT_GT(volume->facts.aspect, 1e4);
   const VolumeLocator locator(*volume);
-  const auto x = places_within(*volume, 5000);
-  std::vector<VolumePlace> places(x.size());
-  locator.locate(x, places);
+  const auto x = points_within(*volume, 5000);
+  std::vector<CellLocation> locations(x.size());
+  locator.locate(x, locations);
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ASSERT_TRUE(places[i].inside) << i;
+    ASSERT_TRUE(locations[i].inside) << i;
     Vec3 there;
-    for (std::size_t c = 0; c < 8; ++c) there += volume->corner(places[i].corners[c]) * places[i].weights[c];
+    for (std::size_t c = 0; c < 8; ++c) there += volume->corner(locations[i].corners[c]) * locations[i].weights[c];
     ASSERT_LT(norm(there - x[i]), 1e-10) << i;
   }
 }
@@ -90,7 +90,7 @@ TEST(VolumeLocator, AnswersDependOnThePointAlone) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
     if (volume->lattice) continue;
-    std::vector<Vec3> x = places_within(*volume, 60);
+    std::vector<Vec3> x = points_within(*volume, 60);
     for (std::size_t i = 0; i < 60; ++i) x.push_back(x[i] * 0.3 + x[(i + 1) % 60] * 0.7);
     std::mt19937 random(5);
     for (int i = 0; i < 30; ++i) {
@@ -98,7 +98,7 @@ TEST(VolumeLocator, AnswersDependOnThePointAlone) {
       const Vec3 a = volume->corner(corners[0]), b = volume->corner(corners[1]), c = volume->corner(corners[2]);
       x.insert(x.end(), {a, (a + b) * 0.5, (a + b + c) / 3});
     }
-    std::vector<VolumePlace> alone(x.size()), places(x.size());
+    std::vector<CellLocation> alone(x.size()), locations(x.size());
     for (std::size_t i = 0; i < x.size(); i += 5) {  // too few points for the cache of cells
       const std::size_t n = std::min<std::size_t>(5, x.size() - i);
       VolumeLocator(*volume).locate(std::span(x).subspan(i, n), std::span(alone).subspan(i, n));
@@ -111,13 +111,13 @@ TEST(VolumeLocator, AnswersDependOnThePointAlone) {
                     : pass % 3 == 1 ? static_cast<std::uint32_t>(random() % volume->cells.size())
                                     : alone[i].cell;
       if (pass % 5 == 4)
-        locator.locate(x, places);
+        locator.locate(x, locations);
       else
-        locator.locate(x, places, starts);
+        locator.locate(x, locations, starts);
       for (std::size_t i = 0; i < x.size(); ++i) {
-        ASSERT_EQ(places[i].cell, alone[i].cell) << i;
-        ASSERT_EQ(places[i].inside, alone[i].inside) << i;
-        ASSERT_EQ(places[i].weights, alone[i].weights) << i;
+        ASSERT_EQ(locations[i].cell, alone[i].cell) << i;
+        ASSERT_EQ(locations[i].inside, alone[i].inside) << i;
+        ASSERT_EQ(locations[i].weights, alone[i].weights) << i;
       }
     }
   }
@@ -130,11 +130,12 @@ TEST(VolumeLocator, OutsideFindsTheNearestPointOfTheVolume) {
   for (int i = 0; i < 200; ++i) {
     const double angle = 0.1 + 0.37 * i, z = 2.0 * ((i * 7) % 20) / 19;
     const Vec3 x{1.5 * std::cos(angle), 1.5 * std::sin(angle), z};
-    VolumePlace place;
-    locator.locate({&x, 1}, {&place, 1});
-    ASSERT_FALSE(place.inside);
+    CellLocation location;
+    locator.locate({&x, 1}, {&location, 1});
+    ASSERT_FALSE(location.inside);
     Vec3 there;
-    for (std::size_t c = 0; c < place.corner_count; ++c) there += volume->corner(place.corners[c]) * place.weights[c];
+    for (std::size_t c = 0; c < location.corner_count; ++c)
+      there += volume->corner(location.corners[c]) * location.weights[c];
     EXPECT_NEAR(norm(there - x), 0.5, 0.01);
   }
 }

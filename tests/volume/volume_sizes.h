@@ -38,9 +38,9 @@ inline double volume_by_chance(const SampledVolume& volume) {
   for (Vec3& p : x)
     for (std::size_t k = 0; k < 3; ++k)
       p[k] = box.lower[k] + box.size()[k] * static_cast<double>(random()) / 4294967296.0;
-  std::vector<VolumePlace> places(x.size());
-  VolumeLocator(volume).locate(x, places);
-  const auto inside = std::count_if(places.begin(), places.end(), [](const VolumePlace& p) { return p.inside; });
+  std::vector<CellLocation> locations(x.size());
+  VolumeLocator(volume).locate(x, locations);
+  const auto inside = std::count_if(locations.begin(), locations.end(), [](const CellLocation& p) { return p.inside; });
   return box.size().x * box.size().y * box.size().z * static_cast<double>(inside) / static_cast<double>(x.size());
 }
 

@@ -104,7 +104,8 @@ void run_convert(const ConvertArguments& a, Console& console) {
   console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
   console.print(summary);
   for (std::size_t k = 0; k < std::min(kPrintedFiles, parts.size()); ++k)
-    console.print(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
+    console.print(
+        fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].attribute_words(lost)));
   if (parts.size() > kPrintedFiles)
     console.print(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
   console.report(a.input.report(), "input");

@@ -36,7 +36,7 @@ DeformKind check_deform(DeformArguments& a) {
   const bool vti = a.output.ends_with(".vti");
   a.options.look.picture = a.picture.chosen();
   if (a.aim() == DeformAim::picture) a.colors.apply_to(a.options.look);
-  a.options.any_view = !a.picture.has_view();
+  a.options.default_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
   a.options.validate(a.aim());

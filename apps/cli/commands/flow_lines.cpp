@@ -37,7 +37,7 @@ void check_flow_lines(FlowLinesArguments& a) {
     return;
   }
   a.drawn.picture = a.picture.chosen();
-  a.drawn.any_view = !a.picture.has_view();
+  a.drawn.default_view = !a.picture.has_view();
   a.drawn.validate(default_color(a.options.lines));
   check_writable(a.preview, "image");
 }

@@ -26,7 +26,7 @@ struct FlowRenderArguments {
 void run_flow_render(FlowRenderArguments& a, Console& console) {
   check_writable(a.output, "image");
   a.options.picture = a.picture.chosen();
-  a.options.any_view = !a.picture.has_view();
+  a.options.default_view = !a.picture.has_view();
   a.options.validate();
   a.picture.check_frames(a.options.frames.has_value());
   require(!a.options.in_volume() || !a.input.flow.unsteady,

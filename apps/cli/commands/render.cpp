@@ -35,7 +35,7 @@ struct ObjectReport : ReadFiles {
 };
 
 constexpr ReportRow kObjectReport[] = {reported_base<ReadFiles, ObjectReport>(),
-                                       reported_beside<&ObjectReport::object>()};
+                                       reported_inline<&ObjectReport::object>()};
 constexpr ReportSchema kObjectReportSchema{kObjectReport};
 const ReportSchema& ObjectReport::schema() { return kObjectReportSchema; }
 

@@ -38,7 +38,7 @@ struct WrittenMoment {
 };
 
 constexpr ReportRow kWrittenMoment[] = {reported<&WrittenMoment::file>({.text = "File"}),
-                                        reported_beside<&WrittenMoment::moment>()};
+                                        reported_inline<&WrittenMoment::moment>()};
 constexpr ReportSchema kWrittenMomentSchema{kWrittenMoment};
 const ReportSchema& WrittenMoment::schema() { return kWrittenMomentSchema; }
 

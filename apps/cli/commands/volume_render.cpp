@@ -35,7 +35,7 @@ VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
   colors.apply_to(o.look);
-  o.any_view = !picture.has_view();
+  o.default_view = !picture.has_view();
   o.validate();
   return o;
 }

@@ -30,7 +30,7 @@ std::string CloudScale::noise_words() const { return sansmesh::noise_words(noise
 const ReportSchema& CloudScale::schema() {
   static constexpr ReportRow rows[] = {
       reported<&CloudScale::spacing>({.text = "Spacing of the points", .unit = "length"}),
-      reported_beside<&CloudScale::noise>()};
+      reported_inline<&CloudScale::noise>()};
   return report_schema<rows>();
 }
 

@@ -19,7 +19,7 @@ ReadFlow FlowInput::report(const FlowModel& opened, Progress& progress) const {
 }
 
 const ReportSchema& ReadFlow::schema() {
-  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadFlow>(), reported_beside<&ReadFlow::volume>(),
+  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadFlow>(), reported_inline<&ReadFlow::volume>(),
                                        reported<&ReadFlow::vectors>({.text = "Array of vectors, or the formula"})};
   return report_schema<rows>();
 }

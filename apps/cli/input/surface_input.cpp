@@ -11,7 +11,7 @@ const ReportSchema& ReadSurface::schema() {
   static constexpr ReportRow rows[] = {
       reported_base<ReadFiles, ReadSurface>(),
       reported<&ReadSurface::kind>({.text = "Kind of the surface: mesh, points, function or isosurface"}),
-      reported_beside<&ReadSurface::volume>(),
+      reported_inline<&ReadSurface::volume>(),
       reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"})};
   return report_schema<rows>();
 }

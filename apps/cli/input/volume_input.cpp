@@ -8,7 +8,7 @@
 namespace sansmesh::cli {
 
 const ReportSchema& ReadVolume::schema() {
-  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadVolume>(), reported_beside<&ReadVolume::use>()};
+  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadVolume>(), reported_inline<&ReadVolume::use>()};
   return report_schema<rows>();
 }
 

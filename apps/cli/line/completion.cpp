@@ -145,10 +145,10 @@ std::string zsh_function(const CommandLine& command) {
   text += further ? "  _arguments -C \\\n" : "  _arguments -s -S \\\n";
   for (const OptionEntry* option : typed_options(command)) text += zsh_option(*option);
   if (!further) {
-    std::size_t place = 0;
+    std::size_t number = 0;
     for (const OptionEntry* option : positional_options(command))
       text += option->several ? fmt::format("    '*{}' \\\n", zsh_value(*option))
-                              : fmt::format("    '{}{}' \\\n", ++place, zsh_value(*option));
+                              : fmt::format("    '{}{}' \\\n", ++number, zsh_value(*option));
     text.erase(text.rfind(" \\\n"));
     return text + "\n}\n";
   }

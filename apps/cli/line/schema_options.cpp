@@ -32,7 +32,7 @@ std::string value_name_of(const OptionRow& row) {
       return "NAME";
     case OptionKind::text:
     case OptionKind::texts:
-      return row.usual_words.empty() ? "TEXT" : "CHOICE";
+      return row.suggestions.empty() ? "TEXT" : "CHOICE";
     default:
       return "NUMBER";
   }
@@ -145,8 +145,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   // A list may be given in several parts.
   entry.repeated = row.kind == OptionKind::texts || entry.several || row.step;
   entry.in_order = row.step;
-  if (row.may_stand_alone()) entry.implied = std::string(row.implied);
-  entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());
+  if (row.has_implied_value()) entry.implied = std::string(row.implied);
+  entry.next_words.assign(row.suggestions.begin(), row.suggestions.end());
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
   entry.use = [&row, owner](const std::vector<std::string>& words) {

@@ -9,10 +9,10 @@ namespace sansmesh::cli {
 namespace {
 
 /// Field of an object or of a nested object, "output.file"; added if missing.
-Json& place_of(Json& object, std::string_view path) {
+Json& value_at(Json& object, std::string_view path) {
   const std::size_t dot = path.find('.');
   Json& part = object[std::string(path.substr(0, dot))];
-  return dot == std::string_view::npos ? part : place_of(part, path.substr(dot + 1));
+  return dot == std::string_view::npos ? part : value_at(part, path.substr(dot + 1));
 }
 
 Json json_of_value(const ReportValue& value) {
@@ -51,11 +51,11 @@ Json json_of_row(const ReportRow& row, const void* report) {
 
 void put_rows(Json& object, const ReportSchema& schema, const void* report) {
   for (const ReportRow& row : schema.rows) {
-    if (row.beside) {
+    if (row.inlined) {
       row.each(report, [&](const void* part) { put_rows(object, row.part(), part); });
       continue;
     }
-    place_of(object, row.name) = json_of_row(row, report);
+    value_at(object, row.name) = json_of_row(row, report);
   }
 }
 
@@ -67,7 +67,7 @@ void push_rows(Json& list, std::string_view before, const ReportSchema& schema, 
                std::set<std::string>& known) {
   for (const ReportRow& row : schema.rows) {
     const bool maybe = optional || row.optional;
-    if (row.beside) {
+    if (row.inlined) {
       push_rows(list, before, row.part(), maybe, known);
       continue;
     }
@@ -88,19 +88,19 @@ void push_rows(Json& list, std::string_view before, const ReportSchema& schema, 
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 void put_value(Json& object, std::string_view key, const ReportValue& value) {
-  place_of(object, key) = json_of_value(value);
+  value_at(object, key) = json_of_value(value);
 }
 
-void put_list(Json& object, std::string_view key) { place_of(object, key) = Json::array(); }
+void put_list(Json& object, std::string_view key) { value_at(object, key) = Json::array(); }
 
 void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
-  put_rows(key.empty() ? object : place_of(object, key), schema, report);
+  put_rows(key.empty() ? object : value_at(object, key), schema, report);
 }
 
 void push_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
   Json one = Json::object();
   put_rows(one, schema, report);
-  place_of(object, key).push_back(std::move(one));
+  value_at(object, key).push_back(std::move(one));
 }
 
 Json json_of_keys(const std::vector<AnnouncedReport>& reports) {

@@ -36,7 +36,7 @@ struct NekHeader {
   std::uint64_t all = 0;              ///< in the step
   std::size_t part = 0, parts = 1;    ///< number of this file, and of files per step
   double time = 0;
-  bool places = false, velocity = false, pressure = false, temperature = false;
+  bool coordinates = false, velocity = false, pressure = false, temperature = false;
   std::size_t scalars = 0;
   bool swap = false;
 
@@ -44,12 +44,12 @@ struct NekHeader {
   std::size_t points() const { return dims[0] * dims[1] * dims[2]; }  ///< per element
   /// Numbers per point.
   std::size_t numbers() const {
-    return (places ? axes() : 0) + (velocity ? axes() : 0) + pressure + temperature + scalars;
+    return (coordinates ? axes() : 0) + (velocity ? axes() : 0) + pressure + temperature + scalars;
   }
   /// Whether the numbers of both can be joined: the parts of a step.
   bool laid_out_as(const NekHeader& other) const {
     const auto layout = [](const NekHeader& h) {
-      return std::tie(h.real, h.dims, h.all, h.parts, h.places, h.velocity, h.pressure, h.temperature, h.scalars);
+      return std::tie(h.real, h.dims, h.all, h.parts, h.coordinates, h.velocity, h.pressure, h.temperature, h.scalars);
     };
     return layout(*this) == layout(other);
   }
@@ -59,7 +59,7 @@ struct NekHeader {
 void parse_nek_fields(const Input& in, std::string_view code, NekHeader& h) {
   for (std::size_t k = 0; k < code.size(); ++k) {
     if (code[k] == 'X') {
-      h.places = true;
+      h.coordinates = true;
     } else if (code[k] == 'U') {
       h.velocity = true;
     } else if (code[k] == 'P') {
@@ -105,7 +105,7 @@ template <class T>
 struct NekFields {
   NekHeader header;
   std::vector<std::uint32_t> elements;   ///< their numbers in the whole mesh
-  std::vector<T> places, velocity;       ///< 3 per point
+  std::vector<T> coordinates, velocity;  ///< 3 per point
   std::vector<T> pressure, temperature;  ///< 1 per point
   std::vector<std::vector<T>> scalars;
 };
@@ -133,7 +133,7 @@ class NekFile {
     at_ = in_.bytes.data() + kNekHeader + 4;
     for (std::uint64_t e = 0; e < h_.elements; ++e, at_ += 4)
       all.elements.push_back(h_.swap ? load<std::uint32_t, true>(at_) : load<std::uint32_t>(at_));
-    if (h_.places) append(h_.axes(), all.places);
+    if (h_.coordinates) append(h_.axes(), all.coordinates);
     if (h_.velocity) append(h_.axes(), all.velocity);
     if (h_.pressure) append(1, all.pressure);
     if (h_.temperature) append(1, all.temperature);
@@ -251,7 +251,7 @@ void add_nek_cells(const NekFields<T>& fields, GridBlock& block) {
   block.kind = GridKind::unstructured;
   block.points.resize(fields.elements.size() * n);
   for (std::size_t i = 0; i < block.points.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) block.points[i][k] = static_cast<double>(fields.places[3 * i + k]);
+    for (std::size_t k = 0; k < 3; ++k) block.points[i][k] = static_cast<double>(fields.coordinates[3 * i + k]);
   for (std::size_t e = 0; e < fields.elements.size(); ++e) {
     const auto at = [&, first = e * n](std::size_t i, std::size_t j, std::size_t k) {
       return static_cast<std::uint32_t>(first + i + fields.header.dims[0] * (j + fields.header.dims[1] * k));
@@ -272,20 +272,20 @@ void add_nek_cells(const NekFields<T>& fields, GridBlock& block) {
 
 /// Coordinates from another step, whose elements may have another order.
 template <class T>
-void take_nek_places(const Input& in, const NekFields<T>& from, NekFields<T>& to) {
+void take_nek_coordinates(const Input& in, const NekFields<T>& from, NekFields<T>& to) {
   if (to.elements.size() > from.elements.size())  // some are duplicates
     in.fail(fmt::format("one of its steps has {} elements, the one with their coordinates {}",
                         grouped(to.elements.size()), grouped(from.elements.size())));
   std::map<std::uint32_t, std::size_t> where;
   for (std::size_t e = 0; e < from.elements.size(); ++e) where[from.elements[e]] = e;
   const std::size_t n = 3 * from.header.points();
-  to.places.resize(to.elements.size() * n);
+  to.coordinates.resize(to.elements.size() * n);
   for (std::size_t e = 0; e < to.elements.size(); ++e) {
     const auto found = where.find(to.elements[e]);
     if (found == where.end() || from.header.dims != to.header.dims)
       in.fail("its steps do not have the same elements, and not all of them have coordinates");
-    std::copy_n(from.places.begin() + static_cast<std::ptrdiff_t>(found->second * n), n,
-                to.places.begin() + static_cast<std::ptrdiff_t>(e * n));
+    std::copy_n(from.coordinates.begin() + static_cast<std::ptrdiff_t>(found->second * n), n,
+                to.coordinates.begin() + static_cast<std::ptrdiff_t>(e * n));
   }
 }
 
@@ -321,7 +321,7 @@ template <class T>
 GridData nek_step(const Input& in, const NekStep& step, const NekHeader& header, const NekStep& mesh,
                   const NekHeader& mesh_header) {
   NekFields<T> fields = read_nek_step<T>(step, header, in.report);
-  if (!header.places) take_nek_places(in, read_nek_step<T>(mesh, mesh_header, in.report), fields);
+  if (!header.coordinates) take_nek_coordinates(in, read_nek_step<T>(mesh, mesh_header, in.report), fields);
   return nek_volume(in, std::move(fields));
 }
 
@@ -384,7 +384,7 @@ NekSeries parse_nek_series(const Input& in) {
 
 GridData read_nek_field(const Input& in) {
   const NekHeader h = parse_nek_header(in);
-  if (!h.places) in.fail("holds no coordinates: name the file of its series (.nek5000)");
+  if (!h.coordinates) in.fail("holds no coordinates: name the file of its series (.nek5000)");
   if (h.parts > 1) in.fail("is one of several parts: name the file of its series (.nek5000)");
   return h.real == 8 ? nek_field<double>(in, h) : nek_field<float>(in, h);
 }
@@ -406,9 +406,9 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
   const NekHeader& header = steps[wanted].checked();
   // The first step has coordinates, and later steps if they have changed.
   std::size_t mesh = wanted;
-  while (mesh > 0 && !steps[mesh].checked().places) --mesh;
+  while (mesh > 0 && !steps[mesh].checked().coordinates) --mesh;
   const NekHeader& mesh_header = steps[mesh].checked();
-  if (!mesh_header.places) in.fail("no step up to the requested one has coordinates");
+  if (!mesh_header.coordinates) in.fail("no step up to the requested one has coordinates");
   if (mesh_header.real != header.real) in.fail("its steps have numbers of different sizes");
   const auto read = header.real == 8 ? nek_step<double> : nek_step<float>;
   GridData data = read(in, steps[wanted].step, header, steps[mesh].step, mesh_header);

@@ -162,9 +162,9 @@ NrrdAxes nrrd_axes(const Input& in, const HeaderFields& fields, const std::vecto
   for (const std::size_t k : others) {
     const bool time =
         kinds[k] == "time" || kinds[k] == "list" || (kinds[k].empty() && k > 0 && k + 1 == axes.sizes.size());
-    std::optional<std::size_t>& place = time ? axes.time : axes.components;
-    if (place) in.fail("its header has several axes of components or of time, which is not supported");
-    place = k;
+    std::optional<std::size_t>& axis = time ? axes.time : axes.components;
+    if (axis) in.fail("its header has several axes of components or of time, which is not supported");
+    axis = k;
   }
   if (axes.space.empty()) in.fail("its header has no axes in space");
   return axes;

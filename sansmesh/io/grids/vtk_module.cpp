@@ -18,9 +18,9 @@ namespace {
 constexpr const char* kModuleFile = "libsansmesh_vtk.so";
 
 /// Folders that may contain the module, relative to the program and to the shared library, if there is one.
-std::vector<std::filesystem::path> module_places() {
+std::vector<std::filesystem::path> module_paths() {
   std::error_code failed;
-  std::vector<std::filesystem::path> from, places;
+  std::vector<std::filesystem::path> from, paths;
   if (const auto program = std::filesystem::read_symlink("/proc/self/exe", failed); !failed)
     from.push_back(program.parent_path());
   Dl_info info{};
@@ -31,9 +31,9 @@ std::vector<std::filesystem::path> module_places() {
   for (const auto& folder : from) {
     constexpr const char* kInstalled = "../" SANSMESH_LIBDIR "/sansmesh";
     for (const char* inner : {".", kInstalled, "sansmesh", "../../sansmesh/io/vtk", "io/vtk"})
-      places.push_back((folder / inner / kModuleFile).lexically_normal());
+      paths.push_back((folder / inner / kModuleFile).lexically_normal());
   }
-  return places;
+  return paths;
 }
 
 VtkReadFunction open_module(const std::string& file, std::string& why_not) {
@@ -54,8 +54,8 @@ VtkReadFunction open_module(const std::string& file, std::string& why_not) {
 VtkReadFunction find_module(std::string& why_not) {
   if (const char* const named = std::getenv("SANSMESH_VTK_MODULE"); named && *named) return open_module(named, why_not);
   std::error_code ignored;
-  for (const auto& place : module_places()) {
-    if (std::filesystem::exists(place, ignored)) return open_module(place.string(), why_not);
+  for (const auto& path : module_paths()) {
+    if (std::filesystem::exists(path, ignored)) return open_module(path.string(), why_not);
   }
   why_not =
       "needs VTK's readers, which are not installed: `scripts/install-deps volume`, then build with SANSMESH_BUILD_VTK "

@@ -46,7 +46,7 @@ class ObjReader {
     if (positions_.empty()) in_.fail("holds no points (no line 'v x y z')");
     faces_.done();
     const std::size_t n = positions_.size();
-    place_positions(in_, points_, n, [&](std::size_t i) { return positions_[i]; });
+    store_positions(in_, points_, n, [&](std::size_t i) { return positions_[i]; });
     assign_normals();
     assign_colors();
     finish(in_, points_);

@@ -127,7 +127,7 @@ PointSet read_off(const Input& in) {
   PointSet points;
   const std::vector<Vec3> positions = read_off_vertices(in, lines, header, points);
   read_off_faces(in, lines, header, points);
-  place_positions(in, points, positions.size(), [&](std::size_t i) { return positions[i]; });
+  store_positions(in, points, positions.size(), [&](std::size_t i) { return positions[i]; });
   finish(in, points);
   return points;
 }

@@ -172,14 +172,14 @@ std::size_t uniform_record(const Element& e, std::string_view body, bool swap, s
     const Property& q = e.properties[k];
     if (!q.is_list) continue;
     const bool same = with_loader(q.count_type, swap, [&](auto at) {
-      const char* const place = base + offsets[k] - size_of(q.count_type);
+      const char* const count_at = base + offsets[k] - size_of(q.count_type);
       using Count = typename decltype(at)::Value;
       const Count wanted = static_cast<Count>(counts[k]);
       const std::size_t others = parallel_reduce(
           static_cast<std::size_t>(e.count), 1 << 16, std::size_t{0},
           [&](std::size_t first, std::size_t last) {
             std::size_t different = 0;
-            for (std::size_t i = first; i < last; ++i) different += at(place + i * stride) != wanted;
+            for (std::size_t i = first; i < last; ++i) different += at(count_at + i * stride) != wanted;
             return different;
           },
           std::plus<>());

@@ -140,7 +140,7 @@ PointSet read_stl(const Input& in) {
       std::erase_if(points.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   if (degenerate > 0)
     in.warn(fmt::format("{} triangles have coinciding corners and were left out", grouped(degenerate)));
-  place_positions(in, points, weld.vertices.size(), [&](std::size_t i) { return weld.vertices[i]; });
+  store_positions(in, points, weld.vertices.size(), [&](std::size_t i) { return weld.vertices[i]; });
   finish(in, points);
   return points;
 }

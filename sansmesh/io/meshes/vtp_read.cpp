@@ -72,7 +72,7 @@ class VtpReader {
     PolylineSet lines;
     std::vector<AttributeTable> tables;
     std::vector<std::uint32_t> rows;
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions;
     std::size_t first = 0;
     for (const Piece& p : pieces_) {
       const std::size_t n = p.points->count() / 3;
@@ -81,21 +81,21 @@ class VtpReader {
         if (points.empty()) return;
         for (const std::int64_t i : points) {
           const auto k = static_cast<std::size_t>(i);
-          places.push_back({x[k], y[k], z[k]});
+          positions.push_back({x[k], y[k], z[k]});
           rows.push_back(static_cast<std::uint32_t>(first + k));
         }
-        lines.offsets.push_back(places.size());
+        lines.offsets.push_back(positions.size());
       });
       tables.push_back(decode(p.of_points, n, 0, "points"));
       first += n;
     }
-    if (places.empty()) return lines;
+    if (positions.empty()) return lines;
     Box3 box;
-    for (const Vec3& p : places)
+    for (const Vec3& p : positions)
       if (is_finite(p)) box.extend(p);
     if (!box.empty()) lines.origin = Vec3(Vec3f(box.center()));
-    lines.positions.reserve(places.size());
-    for (const Vec3& p : places) lines.positions.push_back(Vec3f(p - lines.origin));
+    lines.positions.reserve(positions.size());
+    for (const Vec3& p : positions) lines.positions.push_back(Vec3f(p - lines.origin));
     lines.attributes = join_tables(in_, std::move(tables), "pieces").taken(rows);
     return lines;
   }
@@ -380,7 +380,7 @@ class VtpReader {
     sink.done();
     points.attributes = join_tables(in_, std::move(of_points), "pieces");
     if (cells_known) points.triangle_attributes = join_tables(in_, std::move(of_faces), "pieces").taken(face_of);
-    place_positions(in_, points, positions.size(), [&](std::size_t i) { return positions[i]; });
+    store_positions(in_, points, positions.size(), [&](std::size_t i) { return positions[i]; });
     finish(in_, points);
     return points;
   }

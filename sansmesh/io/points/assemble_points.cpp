@@ -61,7 +61,7 @@ double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
   return *(losses.end() - 1 - strays);
 }
 
-/// Numbers of unknown positions and of positions too far away, as marked by place_positions.
+/// Numbers of unknown positions and of positions too far away, as marked by store_positions.
 std::pair<std::size_t, std::size_t> count_lost(const PointSet& points) {
   using Counts = std::pair<std::size_t, std::size_t>;
   return parallel_reduce(

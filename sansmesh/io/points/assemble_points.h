@@ -37,7 +37,7 @@ void check_extent(const Input& in, const Box3& box);
 /// Sets origin and positions from at(i) -> Vec3 (world, double). Non-finite positions become NaN, positions too far
 /// away infinite; `finish` removes both.
 template <class At>
-void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) {
+void store_positions(const Input& in, PointSet& points, std::size_t n, At&& at) {
   const auto usable = [](const Vec3& p) {
     return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate &&
            std::abs(p.z) <= largest_coordinate;

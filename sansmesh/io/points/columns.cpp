@@ -185,9 +185,9 @@ void decode_columns(const Input& in, const CloudColumns& columns, std::size_t n,
   const std::size_t grain = 1 << 14;
   with_triples<NumberType::f32, NumberType::f64, NumberType::i32>(columns.position, [&](auto at) {
     if (scale == Vec3{1, 1, 1} && offset == Vec3{}) {
-      place_positions(in, points, n, at);
+      store_positions(in, points, n, at);
     } else {
-      place_positions(in, points, n, [&](std::size_t i) {
+      store_positions(in, points, n, [&](std::size_t i) {
         const Vec3 p = at(i);
         return Vec3{p.x * scale.x + offset.x, p.y * scale.y + offset.y, p.z * scale.z + offset.z};
       });

@@ -132,7 +132,7 @@ PointSet read_conf(const Input& in) {
   };
   all.attributes = joined(&PointSet::attributes, false);
   all.triangle_attributes = joined(&PointSet::triangle_attributes, true);
-  place_positions(in, all, n, [&](std::size_t i) { return world[i]; });
+  store_positions(in, all, n, [&](std::size_t i) { return world[i]; });
   for (const Vec3& eye : eyes) all.scanners.push_back(Vec3f(eye - all.origin));
   finish(in, all);
   return all;

@@ -129,32 +129,32 @@ std::vector<std::vector<double>> first_rows(const Head& head) {
 
 /// The used columns from left to right, and the position of each in the table.
 struct Layout {
-  int place[most_columns];
+  int slot[most_columns];
   bool required[most_columns] = {};  ///< coordinates: a row without them is an error
   NumberType type[most_columns];     ///< cell types: doubles, unless the numbers need 64 bits
   int width = 0;
   int last_column = 0;  ///< a row that ends before it is an error
-  int last_place = 0;   ///< including optional columns
+  int last_used = 0;    ///< including optional columns
 };
 
 Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t columns) {
   Layout layout;
-  std::fill(layout.place, layout.place + most_columns, no_column);
+  std::fill(layout.slot, layout.slot + most_columns, no_column);
   std::fill(layout.type, layout.type + most_columns, NumberType::f64);
   for (int k = 0; k < ColumnMeaning::kinds; ++k) {
     const int c = meaning.column[k];
     if (c < 0) continue;
     if (c >= static_cast<int>(columns))
       in.fail(fmt::format("its header names more columns than the {} of its rows", columns));
-    if (layout.place[c] < 0) layout.place[c] = layout.width++;
+    if (layout.slot[c] < 0) layout.slot[c] = layout.width++;
     layout.required[c] = k < 3;
     layout.last_column = std::max(layout.last_column, c);
   }
-  layout.last_place = layout.last_column;
+  layout.last_used = layout.last_column;
   for (const ColumnMeaning::Other& other : meaning.others) {
     if (other.column >= static_cast<int>(columns) || other.name.empty()) continue;
-    layout.place[other.column] = layout.width++;
-    layout.last_place = std::max(layout.last_place, other.column);
+    layout.slot[other.column] = layout.width++;
+    layout.last_used = std::max(layout.last_used, other.column);
   }
   return layout;
 }
@@ -180,10 +180,10 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
     TableRow row(line, head.separator);
     int column = 0;
     double first = 0;
-    for (; column <= layout.last_place; ++column) {
+    for (; column <= layout.last_used; ++column) {
       const auto f = row.field();
       if (!f) break;
-      if (column > 0 && layout.place[column] < 0) continue;
+      if (column > 0 && layout.slot[column] < 0) continue;
       double v = std::numeric_limits<double>::quiet_NaN();
       if (!f->empty() && !parse(*f, v) && (layout.required[column] || column == 0)) {
         if (is_comment(line)) {
@@ -196,20 +196,20 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
         }
       }
       if (column == 0) first = v;
-      if (layout.place[column] < 0) continue;
-      const std::size_t place = static_cast<std::size_t>(layout.place[column]);
-      double& cell = block.values[base + place];
+      if (layout.slot[column] < 0) continue;
+      const std::size_t slot = static_cast<std::size_t>(layout.slot[column]);
+      double& cell = block.values[base + slot];
       cell = v;
       if (layout.type[column] != NumberType::f64) {
         TextScanner whole(*f);
         read_cell(whole, layout.type[column], cell);
       } else if (std::isnan(v) || f->find_first_not_of("+-0123456789") != std::string_view::npos) {
-        block.real[place] = 1;
+        block.real[slot] = 1;
       }
     }
     if (column > layout.last_column) {
-      for (int c = column; c <= layout.last_place; ++c) {
-        if (layout.place[c] >= 0) block.real[static_cast<std::size_t>(layout.place[c])] = 1;
+      for (int c = column; c <= layout.last_used; ++c) {
+        if (layout.slot[c] >= 0) block.real[static_cast<std::size_t>(layout.slot[c])] = 1;
       }
       continue;
     }
@@ -274,10 +274,10 @@ struct ColumnType {
 };
 
 /// Type of a further column; empty if it has no numbers.
-std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::size_t width, std::size_t place,
+std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::size_t width, std::size_t slot,
                                          bool real) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (std::size_t i = place; i < cells.size(); i += width) {
+  for (std::size_t i = slot; i < cells.size(); i += width) {
     if (std::isnan(cells[i])) continue;
     least = std::min(least, cells[i]), most = std::max(most, cells[i]);
   }
@@ -300,9 +300,9 @@ std::vector<NamedColumns> other_columns(const Input& in, const Head& head, const
   std::string without;
   bool again = false;
   for (const ColumnMeaning::Other& other : meaning.others) {
-    const int place = other.column < static_cast<int>(most_columns) ? layout.place[other.column] : no_column;
-    if (place < 0) continue;
-    const std::size_t k = static_cast<std::size_t>(place);
+    const int slot = other.column < static_cast<int>(most_columns) ? layout.slot[other.column] : no_column;
+    if (slot < 0) continue;
+    const std::size_t k = static_cast<std::size_t>(slot);
     const auto type = type_of_column(read.cells, width, k, read.real[k] != 0);
     if (!type) {
       without += (without.empty() ? "" : ", ") + other.name;
@@ -328,7 +328,7 @@ CloudColumns cloud_columns(const ColumnMeaning& meaning, const Layout& layout, c
   const auto column = [&](int k, std::size_t first_row = 0) {
     const int c = meaning.column[k];
     if (c < 0) return Column{};
-    const double* at = table.data() + first_row * width + static_cast<std::size_t>(layout.place[c]);
+    const double* at = table.data() + first_row * width + static_cast<std::size_t>(layout.slot[c]);
     return Column{reinterpret_cast<const char*>(at), width * sizeof(double), NumberType::f64, false};
   };
   CloudColumns cloud;

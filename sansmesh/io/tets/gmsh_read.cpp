@@ -238,9 +238,9 @@ class GmshFile {
 
   void add_node(std::uint64_t number, GmshNumbers& n, int parameters = 0) {
     tags_.push_back(number);
-    read_place(n, parameters);
+    read_node(n, parameters);
   }
-  void read_place(GmshNumbers& n, int parameters) {
+  void read_node(GmshNumbers& n, int parameters) {
     const char* const of = "nodes";
     const double x = n.real(of), y = n.real(of), z = n.real(of);
     for (int k = 0; k < parameters; ++k) n.real(of);
@@ -267,7 +267,7 @@ class GmshFile {
         const std::size_t count = n.count(of, 4);
         if (version_ > 4.05) {
           for (std::size_t k = 0; k < count; ++k) tags_.push_back(n.size(of));
-          for (std::size_t k = 0; k < count; ++k) read_place(n, parameters);
+          for (std::size_t k = 0; k < count; ++k) read_node(n, parameters);
         } else {
           for (std::size_t k = 0; k < count; ++k) add_node(static_cast<std::uint64_t>(n.whole(of)), n, parameters);
         }
@@ -413,12 +413,12 @@ class GmshFile {
   }
 
   /// Assigns rows to their nodes or elements; the rows of others are unknown.
-  void give_data(const Data& d, std::size_t rows, const std::map<std::uint64_t, std::size_t>& place,
+  void give_data(const Data& d, std::size_t rows, const std::map<std::uint64_t, std::size_t>& row_of,
                  AttributeTable& table) const {
     std::vector<double> values(rows * d.components, std::numeric_limits<double>::quiet_NaN());
     for (const auto& [number, row] : d.rows) {
-      const auto it = place.find(number);
-      if (it != place.end())
+      const auto it = row_of.find(number);
+      if (it != row_of.end())
         std::copy(row.begin(), row.end(), values.begin() + static_cast<std::ptrdiff_t>(it->second * d.components));
     }
     table.set({d.name, std::move(values), d.components});
@@ -440,15 +440,15 @@ class GmshFile {
     std::map<std::uint64_t, std::size_t> nodes, elements;
     std::uint64_t numbers = 0;
     for (const Data& d : data_) {
-      auto& place = d.of_nodes ? nodes : elements;
+      auto& row_of = d.of_nodes ? nodes : elements;
       const std::vector<std::uint64_t>& all = d.of_nodes ? tags_ : cells;
       numbers += all.size() * d.components;
       if (numbers > kMostNumbersPerByte * in_.bytes.size())
         in_.fail(fmt::format("its arrays would have {} numbers or more, far more than its {} bytes hold",
                              grouped(numbers), grouped(in_.bytes.size())));
-      if (place.empty())
-        for (std::size_t k = 0; k < all.size(); ++k) place.emplace(all[k], k);
-      if (!all.empty()) give_data(d, all.size(), place, d.of_nodes ? block.point_arrays : block.cell_arrays);
+      if (row_of.empty())
+        for (std::size_t k = 0; k < all.size(); ++k) row_of.emplace(all[k], k);
+      if (!all.empty()) give_data(d, all.size(), row_of, d.of_nodes ? block.point_arrays : block.cell_arrays);
     }
     if (later_steps_ > 0)
       result.notes.push_back(fmt::format("of arrays of the same name the first is taken: {} left out", later_steps_));

@@ -179,14 +179,14 @@ class MeditBytes {
     return swap_ ? load<double, true>(p) : load<double>(p);
   }
   /// Position of the next keyword; 0 after the last.
-  std::int64_t place() { return version_ > 2 ? whole8() : whole4(); }
-  void go(std::int64_t place) {
-    if (place < 0 || static_cast<std::uint64_t>(place) > in_.bytes.size())
-      in_.fail(fmt::format("truncated, or damaged: a keyword is outside of it, at byte {} of {}", place,
+  std::int64_t offset() { return version_ > 2 ? whole8() : whole4(); }
+  void go(std::int64_t offset) {
+    if (offset < 0 || static_cast<std::uint64_t>(offset) > in_.bytes.size())
+      in_.fail(fmt::format("truncated, or damaged: a keyword is outside of it, at byte {} of {}", offset,
                            grouped(in_.bytes.size())));
-    if (static_cast<std::size_t>(place) < at_)
-      in_.fail(fmt::format("damaged: a keyword is at byte {}, inside earlier data", place));
-    at_ = static_cast<std::size_t>(place);
+    if (static_cast<std::size_t>(offset) < at_)
+      in_.fail(fmt::format("damaged: a keyword is at byte {}, inside earlier data", offset));
+    at_ = static_cast<std::size_t>(offset);
   }
   std::size_t count(const char* of, std::size_t numbers) {
     const std::int64_t n = whole();
@@ -215,7 +215,7 @@ GridData read_medit_binary(const Input& in) {
   for (;;) {
     const std::int64_t code = bytes.whole4();
     if (code == kEnd) break;
-    const std::int64_t next = bytes.place();
+    const std::int64_t next = bytes.offset();
     const auto cells = std::find_if(std::begin(kMeditCells), std::end(kMeditCells),
                                     [&](const MeditCells& c) { return code == c.code; });
     if (code == kDimension) {

@@ -46,7 +46,7 @@ class VegaFile {
       for (std::size_t k = 0; k < corners_; ++k) c[k] = points_->at(e.corners[k]);
       cells.add(corners_ == 4 ? CellShape::tetrahedron : CellShape::hexahedron, {c, corners_}, {});
     }
-    block.points = std::move(places_);
+    block.points = std::move(positions_);
     points_->give_to(block);
     cells.give_to(block, result);
     give_materials(block, result);
@@ -100,11 +100,11 @@ class VegaFile {
     text.line();
     std::vector<std::uint64_t> numbers;
     numbers.reserve(count);
-    places_.reserve(count);
+    positions_.reserve(count);
     for (std::size_t k = 0; k < count; ++k) {
       numbers.push_back(static_cast<std::uint64_t>(text.whole(of)));
       const double x = text.real(of), y = text.real(of), z = text.real(of);
-      places_.push_back({x, y, z});
+      positions_.push_back({x, y, z});
     }
     points_.emplace(in_, std::move(numbers));
   }
@@ -189,7 +189,7 @@ class VegaFile {
     if (!other_materials_.empty()) data.notes.emplace_back("materials of other kinds than ENU were left out");
     std::vector<double> columns[3];
     for (auto& c : columns) c.assign(elements_.size(), std::numeric_limits<double>::quiet_NaN());
-    std::map<std::uint64_t, std::size_t> place;
+    std::map<std::uint64_t, std::size_t> row_of;
     bool any = false;
     for (const auto& [set, material] : regions_) {
       const auto m = materials_.find(material);
@@ -205,11 +205,11 @@ class VegaFile {
         for (std::size_t e = 0; e < elements_.size(); ++e) give(e);
         continue;
       }
-      if (place.empty())
-        for (std::size_t e = 0; e < elements_.size(); ++e) place.emplace(elements_[e].number, e);
+      if (row_of.empty())
+        for (std::size_t e = 0; e < elements_.size(); ++e) row_of.emplace(elements_[e].number, e);
       for (const std::uint64_t n : sets_[set]) {
-        const auto it = place.find(n);
-        if (it == place.end())
+        const auto it = row_of.find(n);
+        if (it == row_of.end())
           in_.fail(fmt::format("the set '{}' names the missing element {}", printable(set, 40), n));
         give(it->second);
       }
@@ -221,7 +221,7 @@ class VegaFile {
   }
 
   const Input& in_;
-  std::vector<Vec3> places_;
+  std::vector<Vec3> positions_;
   std::optional<PointNumbers> points_;
   std::size_t corners_ = 4;
   std::vector<Element> elements_;

@@ -87,7 +87,7 @@ void LinearCells::fan(std::span<const std::uint32_t> ring) {
 }
 
 bool LinearCells::comes_first(std::uint32_t a, std::uint32_t b) const {
-  const Vec3 &x = places_[a], &y = places_[b];
+  const Vec3 &x = points_[a], &y = points_[b];
   return x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z != y.z ? x.z < y.z : a < b;
 }
 

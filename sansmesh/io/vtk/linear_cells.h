@@ -22,7 +22,7 @@ namespace sansmesh::inline v1::io {
 class LinearCells {
  public:
   /// Positions of the nodes; must outlive this.
-  explicit LinearCells(std::span<const Vec3> places) : places_(places) {}
+  explicit LinearCells(std::span<const Vec3> points) : points_(points) {}
 
   /// `type` is VTK's number of a linear, quadratic or Lagrange cell; nodes are in VTK's order. Returns false if there
   /// are fewer nodes than the type has.
@@ -56,7 +56,7 @@ class LinearCells {
   bool add_higher_order(int type, std::span<const std::uint32_t> nodes);
   bool add_flat(int type, std::span<const std::uint32_t> nodes);
 
-  std::span<const Vec3> places_;
+  std::span<const Vec3> points_;
   std::uint32_t row_ = 0;
   std::map<std::string, std::array<std::size_t, 2>> cut_;  ///< by kind: cells, and pieces made of them
   std::map<std::string, std::size_t> left_out_, corners_only_;

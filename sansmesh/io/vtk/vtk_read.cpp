@@ -87,8 +87,8 @@ class CaptureWindow : public vtkOutputWindow {
   /// Extracts the message after "ERROR: In file.cxx, line 12" and a line break: "vtkReader (0x12): cause" → "cause".
   static std::string message_of(const char* text) {
     std::string s = text ? text : "";
-    const std::size_t place = s.find(": In "), end = s.find('\n');
-    if (place < end && end != std::string::npos) s = s.substr(end + 1);
+    const std::size_t location = s.find(": In "), end = s.find('\n');
+    if (location < end && end != std::string::npos) s = s.substr(end + 1);
     if (const std::size_t at = s.find("): "); s.starts_with("vtk") && at != std::string::npos) s = s.substr(at + 3);
     std::string line;
     for (const char c : s) {

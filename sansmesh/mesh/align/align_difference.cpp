@@ -30,28 +30,28 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
     Foot foot;
     const Vec3 at = pose(moving.x[i]);
     if (!fixed.closest(at, reach, foot) || foot.beyond) return;
-    if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) return;
+    if (!alike_normals(pose.rotate(moving.n[i]), foot.normal, signs)) return;
     offsets[i] = {at - foot.point, foot.normal, squared_norm(foot.normal) > 0};
   });
-  std::vector<Vec3f> places;
-  std::vector<std::uint32_t> of_place;
+  std::vector<Vec3f> points;
+  std::vector<std::uint32_t> point_index;
   for (std::uint32_t i = 0; i < offsets.size(); ++i)
-    if (offsets[i].counts) places.push_back(Vec3f(pose(moving.x[i]))), of_place.push_back(i);
-  if (places.empty()) return {};
+    if (offsets[i].counts) points.push_back(Vec3f(pose(moving.x[i]))), point_index.push_back(i);
+  if (points.empty()) return {};
 
-  const KdTree tree(places);
+  const KdTree tree(points);
   struct Local {
     double middle = 0, scatter = 0;  ///< median of the heights, and median distance from it
     std::size_t count = 0;           ///< 0: undetermined
   };
-  std::vector<Local> locals(places.size());
-  parallel_for(0, places.size(), 64, [&](std::size_t p) {
+  std::vector<Local> locals(points.size());
+  parallel_for(0, points.size(), 64, [&](std::size_t p) {
     Neighbour near[kMostNeighbours];
-    const std::size_t found = tree.nearest(places[p], near);
+    const std::size_t found = tree.nearest(points[p], near);
     std::vector<double> heights;
-    const Vec3& normal = offsets[of_place[p]].normal;
+    const Vec3& normal = offsets[point_index[p]].normal;
     for (std::size_t k = 0; k < found && static_cast<double>(near[k].squared_distance) <= spacing * spacing; ++k)
-      heights.push_back(dot(offsets[of_place[near[k].index]].offset, normal));
+      heights.push_back(dot(offsets[point_index[near[k].index]].offset, normal));
     if (heights.size() < kFewestNeighbours) return;
     Local& local = locals[p];
     local.count = heights.size();

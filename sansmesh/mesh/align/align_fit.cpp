@@ -40,7 +40,7 @@ void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Simila
     p.at = pose(moving.x[i]);
     Foot foot;
     if (!fixed.closest(p.at, reach, foot) || foot.beyond) return;
-    const Vec3 n = pose.turn(moving.n[i]);
+    const Vec3 n = pose.rotate(moving.n[i]);
     if (!alike_normals(n, foot.normal, signs)) return;
     const double distance = norm(p.at - foot.point);
     if (!(distance <= reach)) return;
@@ -177,7 +177,7 @@ double overlap_with(const OrientedPoints& moving, const Surface& fixed, const Si
         for (std::size_t i = first; i < last; ++i) {
           const Vec3 at = pose(moving.x[i]);
           if (!fixed.closest(at, 2 * reach, foot) || foot.beyond) continue;
-          if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) continue;
+          if (!alike_normals(pose.rotate(moving.n[i]), foot.normal, signs)) continue;
           part += tukey_weight(norm(at - foot.point) / reach);
         }
         return part;
@@ -207,7 +207,7 @@ std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, co
     Foot foot;
     const Vec3 at = pose(moving.x[i]);
     if (!fixed.closest(at, any ? kEverywhere : reach, foot)) return;
-    if (!any && (foot.beyond || !alike_normals(pose.turn(moving.n[i]), foot.normal, signs))) return;
+    if (!any && (foot.beyond || !alike_normals(pose.rotate(moving.n[i]), foot.normal, signs))) return;
     all[i] = norm(at - foot.point);
   });
   return all;

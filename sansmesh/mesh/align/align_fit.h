@@ -35,7 +35,7 @@ struct FitResult {
 /// Whether two normals match: less than 60° apart, or opposite unless `signs`. Unknown normals match.
 bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 
-/// Gauss–Newton on the distances to the tangent planes of the surface, with Tukey weights. `closest(place, reach,
+/// Gauss–Newton on the distances to the tangent planes of the surface, with Tukey weights. `closest(point, reach,
 /// foot)` evaluates the surface: a SampleSurface or a WholeSurface.
 template <class Surface>
 FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,

@@ -141,11 +141,11 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       for (std::size_t k = 0; k < 3; ++k) p.columns[k] = to[0] * from[0][k] + to[1] * from[1][k] + to[2] * from[2][k];
       p.scale = scale ? factor : 1;
       p.translation =
-          (fixed.x[a.fixed] + fixed.x[b.fixed]) / 2 - p.turn((moving.x[a.moving] + moving.x[b.moving]) / 2) * p.scale;
+          (fixed.x[a.fixed] + fixed.x[b.fixed]) / 2 - p.rotate((moving.x[a.moving] + moving.x[b.moving]) / 2) * p.scale;
       const double reach = kMatchReach * spacing;
       for (const Match& m : matches) {
         if (squared_norm(p(moving.x[m.moving]) - fixed.x[m.fixed]) > reach * reach) continue;
-        if (dot(p.turn(moving.n[m.moving]), fixed.n[m.fixed]) > 0.7) found.score += 1;
+        if (dot(p.rotate(moving.n[m.moving]), fixed.n[m.fixed]) > 0.7) found.score += 1;
       }
       if (found.score >= 3) of_first[i].push_back(found);
       if (of_first[i].size() >= kPosesOfMatch) break;
@@ -209,7 +209,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
     parallel_for(0, turned.size(), 1, [&](std::size_t k) {
       Similarity p = k < kRotations ? spiral_rotation(k, kRotations) : principal[k - kRotations];
       p.scale = scale ? fixed.radius / moving.radius : 1;
-      p.translation = fixed.centroid - p.turn(moving.centroid) * p.scale;
+      p.translation = fixed.centroid - p.rotate(moving.centroid) * p.scale;
       FoundPose& f = turned[k];
       f.pose = fit_pose(few_moving, target, p, fit).pose;
       f.score = mutual_overlap(few_moving, target, few_fixed, source, f.pose, kCoarseReach * spacing, samples.signs);

@@ -65,15 +65,15 @@ bool has_triangles(const TriangleMesh& mesh) {
 }
 
 /// Positions of triangle corners, or of all points.
-std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) {
+std::vector<Vec3> counted_points(const TriangleMesh& mesh, std::size_t most) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), mesh.triangles.empty() ? 1 : 0);
   for (const Triangle& t : mesh.triangles)
     if (has_valid_corners(mesh.vertices, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
-  std::vector<Vec3> places;
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i] && is_finite(mesh.vertices[i])) places.emplace_back(mesh.vertices[i]);
+    if (used[i] && is_finite(mesh.vertices[i])) points.emplace_back(mesh.vertices[i]);
   std::vector<Vec3> some;
-  for (const std::uint32_t i : evenly_spaced(places.size(), most)) some.push_back(places[i]);
+  for (const std::uint32_t i : evenly_spaced(points.size(), most)) some.push_back(points[i]);
   return some;
 }
 
@@ -203,19 +203,19 @@ bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {
 }
 
 LocalFrame measure_side(const TriangleMesh& mesh, const char* name) {
-  const std::vector<Vec3> places = places_that_count(mesh, kDense);
-  if (places.size() < (mesh.triangles.empty() ? kFewest : 4))
+  const std::vector<Vec3> points = counted_points(mesh, kDense);
+  if (points.size() < (mesh.triangles.empty() ? kFewest : 4))
     throw DataError(std::string("the ") + name + " surface has too few points to be aligned");
   Vec3 middle;
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<double> c;
-    c.reserve(places.size());
-    for (const Vec3& p : places) c.push_back(p[k]);
+    c.reserve(points.size());
+    for (const Vec3& p : points) c.push_back(p[k]);
     middle[k] = median(c);
   }
   std::vector<double> far;
-  far.reserve(places.size());
-  for (const Vec3& p : places) far.push_back(norm(p - middle));
+  far.reserve(points.size());
+  for (const Vec3& p : points) far.push_back(norm(p - middle));
   const double size = nth_smallest(far, far.size() * 3 / 4);
   if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
   return {mesh.origin + middle, size};

@@ -26,7 +26,7 @@ using detail::SearchSamples;
 constexpr double kSurelyThere = 0.8;
 /// Alternative poses: least score relative to the best, and least difference in angle (radians) and position (in
 /// sizes).
-constexpr double kAsGood = 0.98, kOtherAngle = 0.2, kOtherPlace = 0.1;
+constexpr double kAsGood = 0.98, kOtherAngle = 0.2, kOtherPosition = 0.1;
 constexpr std::size_t kComparedPoses = 6, kOnTheWay = 3000, kOfComparison = 1500;
 /// Poses below this fraction of the best score are not refined.
 constexpr double kWorthALook = 0.85;
@@ -95,7 +95,7 @@ Vec3 SimilarityMotion::axis() const {
 
 AffineMap SimilarityMotion::map() const {
   AffineMap map{x * scale, y * scale, z * scale, {}};
-  map.shift = to - map.turn(from);
+  map.shift = to - map.linear(from);
   return map;
 }
 
@@ -214,7 +214,7 @@ class SurfaceFit {
     std::vector<Similarity> known{best_->pose};
     for (const auto& [f, s] : tried) {
       const auto same = [&](const Similarity& o) {
-        return detail::nearly_same(o, f.pose, moving_, kOtherAngle, kOtherPlace);
+        return detail::nearly_same(o, f.pose, moving_, kOtherAngle, kOtherPosition);
       };
       if (s < kAsGood * best_score_ || std::any_of(known.begin(), known.end(), same)) continue;
       known.push_back(f.pose);
@@ -283,7 +283,7 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& 
   options.validate();
   SurfaceAlignment result = align(moving, fixed, options, progress);
   // A mirrored part may fit moderately, as symmetric shapes nearly equal their mirror images.
-  if (result.found && result.differing > kOtherShape && options.start != AlignStart::as_it_lies) {
+  if (result.found && result.differing > kOtherShape && options.start != AlignStart::given_pose) {
     SurfaceAlignmentOptions anywhere = options;
     anywhere.start = AlignStart::anywhere;
     const SurfaceAlignment mirrored = align(mirror_image(moving), fixed, anywhere, progress);

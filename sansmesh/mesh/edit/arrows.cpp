@@ -108,14 +108,14 @@ std::vector<std::uint32_t> spread_vertices(const TriangleMesh& mesh, double spac
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t)
       if (v < count) used[v] = 1;
-  std::vector<Vec3> places;
+  std::vector<Vec3> points;
   std::vector<std::uint32_t> numbers;
   for (std::size_t v = 0; v < count; ++v)
     if (used[v] && is_finite(mesh.vertices[v])) {
-      places.emplace_back(mesh.vertices[v]);
+      points.emplace_back(mesh.vertices[v]);
       numbers.push_back(static_cast<std::uint32_t>(v));
     }
-  std::vector<std::uint32_t> chosen = poisson_discs(places, spacing);
+  std::vector<std::uint32_t> chosen = poisson_discs(points, spacing);
   for (std::uint32_t& c : chosen) c = numbers[c];
   return chosen;
 }

@@ -12,12 +12,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Keeps the part with height >= 0; `place(position)` corrects new vertices.
-template <class Place>
+/// Keeps the part with height >= 0; `correct(position)` corrects new vertices.
+template <class Correct>
 class HeightCut {
  public:
-  HeightCut(TriangleMesh& mesh, std::vector<float> heights, const Place& place)
-      : mesh_(mesh), heights_(std::move(heights)), place_(place) {}
+  HeightCut(TriangleMesh& mesh, std::vector<float> heights, const Correct& correct)
+      : mesh_(mesh), heights_(std::move(heights)), correct_(correct) {}
 
   void run() {
     if (std::none_of(heights_.begin(), heights_.end(), [](float h) { return h < 0; })) return;
@@ -39,7 +39,7 @@ class HeightCut {
     if (!is_new) return entry->second;
     const float a = heights_[in], b = heights_[out], t = a / (a - b);
     Vec3f x = mesh_.vertices[in] + (mesh_.vertices[out] - mesh_.vertices[in]) * t;
-    place_(x);
+    correct_(x);
     heights_.push_back(0);
     return entry->second = append_vertex_between(mesh_, in, out, t, x);
   }
@@ -62,7 +62,7 @@ class HeightCut {
 
   TriangleMesh& mesh_;
   std::vector<float> heights_;
-  const Place& place_;
+  const Correct& correct_;
   std::unordered_map<std::uint64_t, std::uint32_t> made_;
 };
 
@@ -70,8 +70,8 @@ class HeightCut {
 void cut_by_plane(TriangleMesh& mesh, std::size_t axis, float at, float sign) {
   std::vector<float> heights(mesh.vertices.size());
   for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = sign * (mesh.vertices[v][axis] - at);
-  const auto place = [&](Vec3f& x) { x[axis] = at; };
-  HeightCut(mesh, std::move(heights), place).run();
+  const auto correct = [&](Vec3f& x) { x[axis] = at; };
+  HeightCut(mesh, std::move(heights), correct).run();
 }
 
 /// Divides triangles along the planes of a box: those that may intersect it, and neighbours with a divided edge in

@@ -75,28 +75,28 @@ void EdgeCollapses::build_rings() {
   valence.assign(x.size(), 0);
   for (const Triangle& t : triangles)
     for (const std::uint32_t v : t) ++valence[v];
-  around.resize(place_rings(first));
+  around.resize(assign_ring_starts(first));
   std::vector<std::size_t> next = first;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
 }
 
-std::size_t EdgeCollapses::place_rings(std::vector<std::size_t>& place) const {
-  place.resize(x.size());
+std::size_t EdgeCollapses::assign_ring_starts(std::vector<std::size_t>& start) const {
+  start.resize(x.size());
   std::size_t sum = 0;
-  for (std::size_t v = 0; v < x.size(); ++v) place[v] = sum, sum += valence[v];
+  for (std::size_t v = 0; v < x.size(); ++v) start[v] = sum, sum += valence[v];
   return sum;
 }
 
 void EdgeCollapses::pack_rings() {
   if (around.size() <= 6 * left_triangles) return;
-  std::vector<std::size_t> place;
-  std::vector<std::uint32_t> packed(place_rings(place));
+  std::vector<std::size_t> start;
+  std::vector<std::uint32_t> packed(assign_ring_starts(start));
   parallel_for(0, x.size(), 8192, [&](std::size_t v) {
     std::copy_n(around.begin() + static_cast<std::ptrdiff_t>(first[v]), valence[v],
-                packed.begin() + static_cast<std::ptrdiff_t>(place[v]));
+                packed.begin() + static_cast<std::ptrdiff_t>(start[v]));
   });
-  first = std::move(place);
+  first = std::move(start);
   around = std::move(packed);
 }
 
@@ -292,7 +292,7 @@ std::array<std::uint32_t, 4> EdgeCollapses::touched(std::uint32_t v) const {
   return result;
 }
 
-void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
+void EdgeCollapses::collapse(std::uint32_t v, std::size_t start) {
   const std::uint32_t w = to[v];
   x[w] = measure(v, w).position;
   quadric[w] += quadric[v];
@@ -302,11 +302,11 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
   std::uint32_t count = 0;
   const auto has = [&](const Triangle& t, std::uint32_t c) { return t[0] == c || t[1] == c || t[2] == c; };
   for (const std::uint32_t i : ring(w))
-    if (!has(triangles[i], v)) around[place + count++] = i;
+    if (!has(triangles[i], v)) around[start + count++] = i;
   for (const std::uint32_t i : ring(v)) {
     Triangle& t = triangles[i];
     if (!has(t, w)) {
-      around[place + count++] = i;
+      around[start + count++] = i;
       for (std::uint32_t& corner : t)
         if (corner == v) corner = w;
       continue;
@@ -319,7 +319,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
     }
     t = {w, w, w};  // removed at the end
   }
-  first[w] = place;
+  first[w] = start;
   valence[w] = count;
   valence[v] = 0;
   to[v] = kNoVertex;
@@ -359,10 +359,10 @@ void EdgeCollapses::collapse_in_turn() {
       look(v);
       continue;
     }
-    const std::size_t place = around.size();
-    around.resize(place + valence[v] + valence[w]);
+    const std::size_t start = around.size();
+    around.resize(start + valence[v] + valence[w]);
     --left, left_triangles -= lost(v, w);
-    collapse(v, place);
+    collapse(v, start);
     look(w);
     for (const std::uint32_t r : ring(w))
       for (const std::uint32_t u : triangles[r])

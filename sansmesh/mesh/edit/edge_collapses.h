@@ -53,7 +53,7 @@ struct EdgeCollapses {
   void build_rings();
 
   /// Computes consecutive positions for all rings; returns their end.
-  std::size_t place_rings(std::vector<std::size_t>& place) const;
+  std::size_t assign_ring_starts(std::vector<std::size_t>& start) const;
 
   /// Removes abandoned rings if they are as large as the current ones. Each collapse appends a ring as large as two, so
   /// that without packing they would add up to three times the mesh.
@@ -152,8 +152,8 @@ struct EdgeCollapses {
   std::array<std::uint32_t, 4> touched(std::uint32_t v) const;
 
   /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that independent
-  /// collapses run concurrently. `place`: start of the merged ring.
-  void collapse(std::uint32_t v, std::size_t place);
+  /// collapses run concurrently. `start`: start of the merged ring.
+  void collapse(std::uint32_t v, std::size_t start);
 
   /// Collapses edges sequentially, in the order of `key`.
   void collapse_in_turn();

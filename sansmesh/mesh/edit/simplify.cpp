@@ -63,7 +63,7 @@ struct Simplifier : detail::EdgeCollapses {
   void collapse_all(Progress& progress, std::size_t target, const std::vector<std::uint32_t>& open) {
     if (left_triangles <= target) return;
     std::vector<std::uint32_t> changed, candidates, chosen, hubs;
-    std::vector<std::size_t> place;
+    std::vector<std::size_t> start;
     for (const std::uint32_t v : open)
       if (merged_into[v] == kNoVertex) changed.push_back(v);
     const std::size_t many = changed.size();
@@ -94,10 +94,10 @@ struct Simplifier : detail::EdgeCollapses {
       for (const std::uint32_t v : candidates) drop_claim(v);
 
       pack_rings();
-      place.resize(chosen.size());
+      start.resize(chosen.size());
       std::size_t end = around.size();
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        place[i] = end;
+        start[i] = end;
         end += valence[chosen[i]] + valence[to[chosen[i]]];
       }
       around.resize(end);
@@ -110,7 +110,7 @@ struct Simplifier : detail::EdgeCollapses {
       std::vector<std::uint8_t> going(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) going[i] = static_cast<std::uint8_t>(lost(chosen[i], kept[i]));
       parallel_for(0, chosen.size(), 256, [&](std::size_t i) {
-        if (won[i]) collapse(chosen[i], place[i]);
+        if (won[i]) collapse(chosen[i], start[i]);
       });
       changed.clear();
       std::size_t count = 0, gone = 0;

@@ -306,11 +306,11 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
   faces.measure(s);
   report.crease_angle = options.crease_angle.value_or(crease_from_noise(s, faces));
   const double width = 2 * std::sin(report.crease_angle * kRadians / 2);
-  std::vector<Triangle> by_place(n);
+  std::vector<Triangle> by_position(n);
   for (std::size_t i = 0; i < n; ++i)
     if (faces.area[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) by_place[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
-  const VertexCorners corners(by_place, s.x.size());
+      for (std::size_t k = 0; k < 3; ++k) by_position[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
+  const VertexCorners corners(by_position, s.x.size());
   double apart = 0;
   std::size_t pairs = 0;
   for (const PositionEdges::Edge& e : s.edges.edges)
@@ -326,9 +326,9 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
     parallel_for(0, n, 1024, [&](std::size_t i) {
       Vec3 sum = faces.normal[i] * faces.area[i];
       if (faces.area[i] > 0)
-        for (const std::uint32_t v : by_place[i])
+        for (const std::uint32_t v : by_position[i])
           for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
-            const std::uint32_t j = corners.corner[c] / 3;
+            const std::uint32_t j = corners.entries[c] / 3;
             // A triangle that shares an edge occurs twice, at both of its vertices, and so has a larger weight.
             if (j == i || faces.area[j] == 0) continue;
             const double there = squared_norm(faces.center[j] - faces.center[i]) / (2 * reach * reach);
@@ -351,7 +351,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
       Vec3 sum;
       double count = 0;
       for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
-        const std::uint32_t j = corners.corner[c] / 3;
+        const std::uint32_t j = corners.entries[c] / 3;
         if (faces.area[j] == 0) continue;
         sum += faces.normal[j] * dot(faces.normal[j], faces.center[j] - s.x[v]);
         count += 1;

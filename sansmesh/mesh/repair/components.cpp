@@ -100,7 +100,7 @@ std::vector<std::uint8_t> one_fan_each(const TriangleMesh& mesh, const VertexCor
     if (count > 64) return;
     std::array<std::uint32_t, 64> out, back;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t c = corners.corner[begin + i];
+      const std::uint32_t c = corners.entries[begin + i];
       out[i] = mesh.triangles[c / 3][(c % 3 + 1) % 3], back[i] = mesh.triangles[c / 3][(c % 3 + 2) % 3];
     }
     const std::uint64_t all = count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
@@ -124,7 +124,7 @@ std::vector<std::uint8_t> one_fan_each(const TriangleMesh& mesh, const VertexCor
 void separate_fans(TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   const VertexCorners corners(mesh.triangles, n);
-  const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
+  const std::vector<std::uint32_t>&first = corners.first, &corner = corners.entries;
   // Finds all fans before renumbering corners.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
   const std::vector<std::uint8_t> is_one = one_fan_each(mesh, corners);

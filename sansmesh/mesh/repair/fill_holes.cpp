@@ -65,21 +65,21 @@ struct HoleFilling {
   bool done = false;
 };
 
-using PlacePair = std::pair<std::uint32_t, std::uint32_t>;
+using PositionPair = std::pair<std::uint32_t, std::uint32_t>;
 
 HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std::vector<double>& edge_length,
-                     const HoleLoop& loop, const FillOptions& options, const std::set<PlacePair>& taken) {
+                     const HoleLoop& loop, const FillOptions& options, const std::set<PositionPair>& taken) {
   HoleFilling filling;
   const std::size_t n = loop.vertices.size();
   const Vec3 base(m.mesh.vertices[loop.vertices[0]]);
-  std::vector<std::uint32_t> places(n);
+  std::vector<std::uint32_t> ring(n);
   std::unordered_map<std::uint32_t, std::uint32_t> number;
   std::vector<double> scale(n);
   for (std::size_t i = 0; i < n; ++i) {
-    places[i] = m.edges.representative[loop.vertices[i]];
-    number.emplace(places[i], static_cast<std::uint32_t>(i));
-    filling.x.push_back(Vec3(m.mesh.vertices[places[i]]) - base);
-    scale[i] = edge_length[places[i]];
+    ring[i] = m.edges.representative[loop.vertices[i]];
+    number.emplace(ring[i], static_cast<std::uint32_t>(i));
+    filling.x.push_back(Vec3(m.mesh.vertices[ring[i]]) - base);
+    scale[i] = edge_length[ring[i]];
   }
   // Surrounding triangles, and the corner opposite each edge of the loop.
   std::vector<PatchTriangle> outside;
@@ -87,20 +87,20 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   std::set<std::uint32_t> seen;
   std::unordered_map<std::uint32_t, std::uint32_t> number_around;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::uint32_t c = corners.first[places[i]]; c < corners.first[places[i] + 1]; ++c) {
-      const std::uint32_t triangle = corners.corner[c] / 3;
+    for (std::uint32_t c = corners.first[ring[i]]; c < corners.first[ring[i] + 1]; ++c) {
+      const std::uint32_t triangle = corners.entries[c] / 3;
       Triangle t = m.mesh.triangles[triangle];
       if (!has_valid_corners(m.mesh.vertices, t)) continue;
       for (std::uint32_t& v : t) v = m.edges.representative[v];
       if (!has_distinct_corners(t)) continue;
-      const std::uint32_t next = places[(i + 1) % n];
+      const std::uint32_t next = ring[(i + 1) % n];
       for (std::size_t k = 0; k < 3; ++k)
-        if (t[k] == next && t[(k + 1) % 3] == places[i]) beside[i] = Vec3(m.mesh.vertices[t[(k + 2) % 3]]) - base;
+        if (t[k] == next && t[(k + 1) % 3] == ring[i]) beside[i] = Vec3(m.mesh.vertices[t[(k + 2) % 3]]) - base;
       if (!seen.insert(triangle).second) continue;
       outside.push_back(t);
     }
   const std::function<bool(std::uint32_t, std::uint32_t)> joined = [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t p = places[a], q = places[b];
+    const std::uint32_t p = ring[a], q = ring[b];
     return m.joined(p, q) || taken.contains({std::min(p, q), std::max(p, q)});
   };
   filling.triangles = detail::triangulate_hole({filling.x, beside, joined});
@@ -130,9 +130,9 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
 }
 
 /// Edges of a filling between two vertices of the loop, without the loop's edges.
-std::vector<PlacePair> chords_of(const HoledMesh& m, const HoleLoop& loop, const HoleFilling& filling) {
+std::vector<PositionPair> chords_of(const HoledMesh& m, const HoleLoop& loop, const HoleFilling& filling) {
   const auto n = static_cast<std::uint32_t>(loop.vertices.size());
-  std::vector<PlacePair> chords;
+  std::vector<PositionPair> chords;
   for (const PatchTriangle& t : filling.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
@@ -269,12 +269,12 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   const HoledMesh m(before);
   report.found = detail::find_loops(m);
   const std::vector<HoleLoop>& loops = report.found.loops;
-  std::vector<Triangle> by_place = before.triangles;
-  for (Triangle& t : by_place)
+  std::vector<Triangle> by_position = before.triangles;
+  for (Triangle& t : by_position)
     t = has_valid_corners(before.vertices, t)
             ? Triangle{m.edges.representative[t[0]], m.edges.representative[t[1]], m.edges.representative[t[2]]}
             : Triangle{0, 0, 0};
-  const VertexCorners corners(by_place, before.vertices.size());
+  const VertexCorners corners(by_position, before.vertices.size());
   const std::vector<double> edge_length = mean_edge_lengths(m);
   progress.begin("fill", loops.size());
   std::vector<HoleFilling> fillings(loops.size());
@@ -283,14 +283,14 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
       fillings[i] = fill_one(m, corners, edge_length, loops[i], options, {});
     progress.advance();
   });
-  std::set<PlacePair> taken;
+  std::set<PositionPair> taken;
   std::vector<Vec3f> filled;
   std::vector<std::uint32_t> hole_of;
   for (std::size_t i = 0; i < loops.size(); ++i) {
     HoleOutcome outcome = choice_for(loops[i], options);
     if (outcome == HoleOutcome::filled) {
-      std::vector<PlacePair> chords = chords_of(m, loops[i], fillings[i]);
-      if (std::any_of(chords.begin(), chords.end(), [&](const PlacePair& c) { return taken.contains(c); })) {
+      std::vector<PositionPair> chords = chords_of(m, loops[i], fillings[i]);
+      if (std::any_of(chords.begin(), chords.end(), [&](const PositionPair& c) { return taken.contains(c); })) {
         fillings[i] = fill_one(m, corners, edge_length, loops[i], options, taken);  // conflicts with a touching hole
         chords = chords_of(m, loops[i], fillings[i]);
       }
@@ -327,7 +327,7 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
 namespace {
 
 constexpr ReportRow kFillReportRows[] = {
-    reported_beside<&FillReport::found>(),
+    reported_inline<&FillReport::found>(),
     reported<&FillReport::filled>({.text = "Filled holes"}),
     reported<&FillReport::too_large>({.name = "left_open", .text = "Holes left open because of their size"}),
     reported<&FillReport::ends>({.text = "Holes left open as ends of a tube"}),

@@ -22,18 +22,18 @@ struct BorderEdge {
 
 /// Mean component, along the normal of the loop's plane, of the directions from the edges of a loop into the mesh.
 double steepness_of(const HoledMesh& m, const std::vector<BorderEdge>& all, std::span<const std::uint32_t> path) {
-  const auto place = [&](std::uint32_t p) { return Vec3(m.mesh.vertices[p]); };
-  const Vec3 base = place(all[path[0]].from);
+  const auto point = [&](std::uint32_t p) { return Vec3(m.mesh.vertices[p]); };
+  const Vec3 base = point(all[path[0]].from);
   Vec3 normal;
-  for (const std::uint32_t i : path) normal += cross(place(all[i].from) - base, place(all[i].to) - base);
+  for (const std::uint32_t i : path) normal += cross(point(all[i].from) - base, point(all[i].to) - base);
   if (!(squared_norm(normal) > 0)) return 0;
   normal = normalized(normal);
   double sum = 0, perimeter = 0;
   for (const std::uint32_t i : path) {
-    const Vec3 a = place(all[i].from), edge = place(all[i].to) - a;
+    const Vec3 a = point(all[i].from), edge = point(all[i].to) - a;
     const double length = norm(edge);
     if (!(length > 0)) continue;
-    const Vec3 along = edge / length, to = place(all[i].beside) - a, inward = to - along * dot(to, along);
+    const Vec3 along = edge / length, to = point(all[i].beside) - a, inward = to - along * dot(to, along);
     perimeter += length;
     if (squared_norm(inward) > 0) sum += length * dot(normalized(inward), normal);
   }
@@ -104,8 +104,8 @@ HoleLoops detail::find_loops(const HoledMesh& m) {
     on_path.clear();
     on_path[all[first].from] = 0;
     while (!path.empty()) {
-      const std::uint32_t place = all[path.back()].to;
-      if (const auto met = on_path.find(place); met != on_path.end()) {
+      const std::uint32_t end = all[path.back()].to;
+      if (const auto met = on_path.find(end); met != on_path.end()) {
         const std::size_t begin = met->second;
         const auto loop = std::span(path).subspan(begin);
         if (loop.size() >= 3)
@@ -118,7 +118,7 @@ HoleLoops detail::find_loops(const HoledMesh& m) {
         continue;
       }
       std::uint32_t next = kNoVertex;
-      if (const auto leaving = out.find(place); leaving != out.end())
+      if (const auto leaving = out.find(end); leaving != out.end())
         for (const std::uint32_t e : leaving->second)
           if (!used[e]) {
             next = e;
@@ -131,7 +131,7 @@ HoleLoops detail::find_loops(const HoledMesh& m) {
         continue;
       }
       used[next] = 1;
-      on_path[place] = path.size();
+      on_path[end] = path.size();
       path.push_back(next);
     }
   }

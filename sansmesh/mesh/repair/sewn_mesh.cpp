@@ -55,10 +55,10 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
   for (const SeamEdge& e : borders) ends.insert(ends.end(), e.begin(), e.end());
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  std::vector<Vec3f> places;
-  places.reserve(ends.size());
-  for (const std::uint32_t v : ends) places.push_back(mesh.vertices[v]);
-  const std::vector<std::uint32_t> first = first_equal_positions(places);
+  std::vector<Vec3f> positions;
+  positions.reserve(ends.size());
+  for (const std::uint32_t v : ends) positions.push_back(mesh.vertices[v]);
+  const std::vector<std::uint32_t> first = first_equal_positions(positions);
   const auto number = [&](std::uint32_t v) {
     return static_cast<std::uint32_t>(std::lower_bound(ends.begin(), ends.end(), v) - ends.begin());
   };

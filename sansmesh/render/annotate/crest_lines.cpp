@@ -30,8 +30,8 @@ constexpr float kTangentGap = 3;
 struct Texel {
   bool hit = false;
   float distance = 0, facing = 0;
-  Vec3f place, normal;
-  SurfaceCurvature bend;
+  Vec3f position, normal;
+  PrincipalCurvatures curvature;
 };
 
 class CrestInk {
@@ -49,12 +49,12 @@ class CrestInk {
     const Texel& here = map_.at(x, y);
     if (!here.hit) return 0;
     float ink = suggestive(x, y, here);
-    const SurfaceCurvature& b = here.bend;
+    const PrincipalCurvatures& b = here.curvature;
     if (!b.defined) return ink;
     if (b.k1 > kOneSided * std::abs(b.k2))
-      ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.bend.k1; }));
+      ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.curvature.k1; }));
     if (-b.k2 > kOneSided * std::abs(b.k1))
-      ink = std::max(ink, crest(x, y, here, -b.k2, b.direction2, [](const Texel& t) { return -t.bend.k2; }));
+      ink = std::max(ink, crest(x, y, here, -b.k2, b.direction2, [](const Texel& t) { return -t.curvature.k2; }));
     return ink;
   }
 
@@ -67,7 +67,7 @@ class CrestInk {
     std::vector<std::optional<SurfacePoint>> points(rays.size());
     const EyeRays eye = rays.rays();
     scene.closest(eye, points);
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions;
     std::vector<Vec3f> normals;
     std::vector<int> columns;
     for (int x = 0; x < map_.width; ++x) {
@@ -80,17 +80,17 @@ class CrestInk {
            eye.at(i, points[i]->distance),
            points[i]->normal,
            {}};
-      places.push_back(Vec3(t.place) * frame.size + frame.center);
+      positions.push_back(Vec3(t.position) * frame.size + frame.center);
       normals.push_back(t.normal);
       columns.push_back(x);
     }
-    if (options_.look.curvature == nullptr || places.empty()) return;
-    std::vector<SurfaceCurvature> bends(places.size());
-    options_.look.curvature->evaluate(places, normals, bends);
+    if (options_.look.curvature == nullptr || positions.empty()) return;
+    std::vector<PrincipalCurvatures> curvatures(positions.size());
+    options_.look.curvature->evaluate(positions, normals, curvatures);
     const auto size = static_cast<float>(frame.size);
-    for (std::size_t k = 0; k < bends.size(); ++k) {
-      SurfaceCurvature& b = map_.at(columns[k], y).bend;
-      b = bends[k];
+    for (std::size_t k = 0; k < curvatures.size(); ++k) {
+      PrincipalCurvatures& b = map_.at(columns[k], y).curvature;
+      b = curvatures[k];
       b.k1 *= size, b.k2 *= size;  // relative to the picture's diagonal
     }
   }
@@ -106,7 +106,7 @@ class CrestInk {
     for (int k = 0; k < 4; ++k) {
       const Texel& t = map_.at(u + k % 2, v + k / 2);
       if (!t.hit) return std::nullopt;
-      const Vec3f d = t.place - here.place;
+      const Vec3f d = t.position - here.position;
       if (std::min(std::abs(dot(d, here.normal)), std::abs(dot(d, t.normal))) > apart) return std::nullopt;
       sum += (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy) * value(t);
     }
@@ -144,10 +144,10 @@ class CrestInk {
     if (!(strength > 0)) return 0;
     // Projection of the direction, from a short step along it.
     const float ahead = footprint(here);
-    const ProjectedPoint from = camera_.project(here.place), to = camera_.project(here.place + ahead * along);
+    const ProjectedPoint from = camera_.project(here.position), to = camera_.project(here.position + ahead * along);
     const float dx = (to.x - from.x) * static_cast<float>(map_.width),
                 dy = (from.y - to.y) * static_cast<float>(map_.height);
-    const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.bend.defined ? value(t) : 0.0f; });
+    const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.curvature.defined ? value(t) : 0.0f; });
     if (!found || found->fall < kLeastFall * height) return 0;
     return strength * line(found->away);
   }

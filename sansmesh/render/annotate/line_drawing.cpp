@@ -23,7 +23,7 @@ constexpr float kFoldCosine = 0.87f;  // 30°
 struct RayGrid {
   int left, top, wide, high;  // in rays of the whole picture
   std::vector<std::optional<SurfacePoint>> points;
-  std::vector<Vec3f> places;
+  std::vector<Vec3f> positions;
 
   std::size_t slot(int x, int y) const {
     return static_cast<std::size_t>(y - top) * static_cast<std::size_t>(wide) + static_cast<std::size_t>(x - left);
@@ -72,7 +72,7 @@ class EdgeInk {
   void look(RayGrid& grid) const {
     const std::size_t count = static_cast<std::size_t>(grid.wide) * static_cast<std::size_t>(grid.high);
     grid.points.resize(count);
-    grid.places.resize(count);
+    grid.positions.resize(count);
     CameraRays rays(camera_);
     constexpr int kRows = 8;  // with rays in one batch
     for (int row = 0; row < grid.high; row += kRows) {
@@ -88,7 +88,7 @@ class EdgeInk {
       for (std::size_t i = 0; i < rays.size(); ++i) {
         std::optional<SurfacePoint>& p = grid.points[first + i];
         if (p && p->cover < 0.5f) p.reset();
-        if (p) grid.places[first + i] = eye.at(i, p->distance);
+        if (p) grid.positions[first + i] = eye.at(i, p->distance);
       }
     }
   }
@@ -96,7 +96,7 @@ class EdgeInk {
   bool edge(const RayGrid& grid, std::size_t a, std::size_t b) const {
     const auto &p = grid.points[a], &q = grid.points[b];
     if (!p || !q) return p.has_value() != q.has_value();
-    const Vec3f d = grid.places[b] - grid.places[a];
+    const Vec3f d = grid.positions[b] - grid.positions[a];
     const float apart = step_ * (camera_.parallel ? 1 : std::min(p->distance, q->distance));
     if (std::min(std::abs(dot(d, p->normal)), std::abs(dot(d, q->normal))) > kSheetGap * apart) return true;
     return dot(p->normal, q->normal) < kFoldCosine && crisp(grid, a, b);

@@ -42,7 +42,7 @@ struct BarLayout {
   }
 
   /// 0 at the lower end of the bar, 1 at the upper; 0.5 if the range is a single value.
-  double place(double value) const { return upper > lower ? (value - lower) / (upper - lower) : 0.5; }
+  double share_of(double value) const { return upper > lower ? (value - lower) / (upper - lower) : 0.5; }
 };
 
 /// Pixel coordinates of a point; empty behind the camera.
@@ -255,12 +255,12 @@ Image with_color_bar(const Image& picture, const TransferFunction& function, con
   if (ends.above) draw_bar_point(image, x0, x1, first, -point, function.color(bar.upper), line, ink);
   if (ends.below) draw_bar_point(image, x0, x1, last, point, function.color(bar.lower), line, ink);
   for (const double t : bar.ticks) {
-    const double y = last - bar.place(t) * (last - first);
+    const double y = last - bar.share_of(t) * (last - first);
     draw_line(image, x1, y, x1 + 0.6 * bar.gap, y, line, ink);
     draw_strokes(image, x1 + 1.3 * bar.gap, y + 0.5 * bar.text, bar.text, tick_text(t, bar.step), ink);
   }
   for (const double m : marks) {
-    const double y = last - bar.place(m) * (last - first);
+    const double y = last - bar.share_of(m) * (last - first);
     if (m >= bar.lower && m <= bar.upper) draw_line(image, x0, y, x1, y, line, ink);
   }
   draw_strokes(image, x0, first - 1.4 * bar.text - (ends.above ? point : 0), bar.text, title, ink);

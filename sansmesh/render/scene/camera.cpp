@@ -136,8 +136,8 @@ Camera frame_camera(std::span<const Vec3f> points, const ViewDirection& view, Up
   return camera;
 }
 
-void look_at(Camera& camera, const Vec3f& place) {
-  const Vec3f d = place - camera.position;
+void look_at(Camera& camera, const Vec3f& point) {
+  const Vec3f d = point - camera.position;
   camera.position += dot(d, camera.right) * camera.right + dot(d, camera.up) * camera.up;
   // Moves the camera back if the point is behind it.
   const float depth = -dot(d, camera.backward), least = 0.01f;

@@ -50,8 +50,8 @@ struct Camera {
 Camera frame_camera(std::span<const Vec3f> points, const ViewDirection& view, UpAxis up, double field_of_view,
                     double aspect, double margin, double radius = 0, bool parallel = false);
 
-/// Translates the camera so that `place` is at the centre of the picture; objects at its depth keep their size.
-void look_at(Camera& camera, const Vec3f& place);
+/// Translates the camera so that `point` is at the centre of the picture; objects at its depth keep their size.
+void look_at(Camera& camera, const Vec3f& point);
 /// Narrows the field of view so that objects appear larger by `factor`.
 void zoom(Camera& camera, double factor);
 /// Zoom factor so that a ball around the centre of the picture at that depth fills the picture up to `margin`.

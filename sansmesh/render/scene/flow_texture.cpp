@@ -74,7 +74,7 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
   struct Row {
     std::vector<std::uint32_t> counts;
     std::vector<Entry> entries;
-    std::vector<Vec3f> places;
+    std::vector<Vec3f> positions;
     std::vector<SurfacePoint> points;
   };
   std::vector<Row> found(rows);
@@ -84,8 +84,8 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
     std::vector<SurfacePoint> points;
     const int top = static_cast<int>(r) * kSide;
     for (std::size_t i = 0; i < in_row; ++i) {
-      const int place = static_cast<int>(i), x = place / (kSide * kSide) * kSide + place % kSide,
-                y = top + place / kSide % kSide;
+      const int slot = static_cast<int>(i), x = slot / (kSide * kSide) * kSide + slot % kSide,
+                y = top + slot / kSide % kSide;
       if (x >= width || y >= height) continue;
       slots.push_back(i);
       going.add((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
@@ -99,8 +99,8 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
       row.counts[slots[k]] = static_cast<std::uint32_t>(first[k + 1] - first[k]);
     for (std::size_t i = 0; i < rays.size(); ++i)
       for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
-        row.places.push_back(rays.at(i, points[k].distance));
-        row.entries.push_back(entry(points[k], row.places.back()));
+        row.positions.push_back(rays.at(i, points[k].distance));
+        row.entries.push_back(entry(points[k], row.positions.back()));
       }
     if (keep) row.points = std::move(points);
   });
@@ -109,7 +109,7 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
   for (const Row& row : found) {
     for (const std::uint32_t n : row.counts) first_.push_back(first_.back() + n);
     entries_.insert(entries_.end(), row.entries.begin(), row.entries.end());
-    places_.insert(places_.end(), row.places.begin(), row.places.end());
+    positions_.insert(positions_.end(), row.positions.begin(), row.positions.end());
     points_.insert(points_.end(), row.points.begin(), row.points.end());
   }
 }
@@ -130,8 +130,8 @@ std::size_t FlowTexture::slot(const Vec3f& origin, const Vec3f& direction) const
               index_in<int>(0.5f * (1 - v) * static_cast<float>(height_), 0, height_ - 1));
 }
 
-FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& place) const {
-  const Vec3f from = place - camera_.position;
+FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& position) const {
+  const Vec3f from = position - camera_.position;
   Entry e;
   e.depth = -dot(from, camera_.backward);
   const Vec3f along = point.vector - dot(point.vector, point.normal) * point.normal;
@@ -160,7 +160,7 @@ void FlowTexture::grain(double pixels) {
   grain_ = pixels;
   parallel_for(0, entries_.size(), 4096, [&](std::size_t i) {
     entries_[i].noise =
-        solid_noise(places_[i], footprint_ * camera_.shrink(entries_[i].depth) * static_cast<float>(pixels));
+        solid_noise(positions_[i], footprint_ * camera_.shrink(entries_[i].depth) * static_cast<float>(pixels));
   });
 }
 

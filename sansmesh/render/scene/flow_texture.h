@@ -44,7 +44,7 @@ class FlowTexture {
   std::size_t slot(int x, int y) const;
   std::size_t slot(const Vec3f& origin, const Vec3f& direction) const;
   const Entry* nearest(std::size_t slot, float depth) const;
-  Entry entry(const SurfacePoint& point, const Vec3f& place) const;
+  Entry entry(const SurfacePoint& point, const Vec3f& position) const;
   void grain(double pixels);
   float sum(int x, int y, const Entry& from) const;
 
@@ -53,7 +53,7 @@ class FlowTexture {
   float footprint_;              // width of a pixel at depth 1
   std::vector<std::uint32_t> first_;
   std::vector<Entry> entries_;  // front to back; slot i has entries first_[i] to first_[i + 1]
-  std::vector<Vec3f> places_;
+  std::vector<Vec3f> positions_;
   std::vector<float> factors_;
   std::vector<SurfacePoint> points_;  // only with `keep`
   std::vector<float> kernel_;         // weights of steps, from the last against the flow to the last along it

@@ -31,17 +31,17 @@ Subject drawable(const TriangleMesh& mesh, std::span<const Vec3f> vectors) {
 
   Subject subject;
   TriangleMesh& result = subject.mesh;
-  std::vector<std::uint32_t> place(count);
+  std::vector<std::uint32_t> index(count);
   for (std::size_t v = 0; v < count; ++v) {
     if (!kept[v] || !is_finite(mesh.vertices[v])) continue;
-    place[v] = static_cast<std::uint32_t>(result.vertices.size());
+    index[v] = static_cast<std::uint32_t>(result.vertices.size());
     result.vertices.push_back(mesh.vertices[v]);
     if (mesh.normals.size() == count) result.normals.push_back(mesh.normals[v]);
     if (mesh.colors.size() == count) result.colors.push_back(mesh.colors[v]);
     if (vectors.size() == count) subject.vectors.push_back(vectors[v]);
   }
   for (const Triangle& t : mesh.triangles)
-    if (good(t)) result.triangles.push_back({place[t[0]], place[t[1]], place[t[2]]});
+    if (good(t)) result.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
   return subject;
 }
 
@@ -62,7 +62,7 @@ RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
 namespace {
 
 /// `frame`: frame of the vertices; null: that of their box.
-Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const RenderOptions& options,
+Subject framed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const RenderOptions& options,
                        const PictureFrame* frame) {
   Subject subject = drawable(mesh, vectors);
   TriangleMesh& own = subject.mesh;
@@ -95,13 +95,13 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
 }  // namespace
 
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
-  return placed_subject(mesh, {}, options, nullptr);
+  return framed_subject(mesh, {}, options, nullptr);
 }
 
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame,
                      std::span<const Vec3f> vectors) {
   const PictureFrame own{frame.center - mesh.origin, frame.size};
-  return placed_subject(mesh, vectors, options, &own);
+  return framed_subject(mesh, vectors, options, &own);
 }
 
 namespace {

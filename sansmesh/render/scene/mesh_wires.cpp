@@ -29,12 +29,13 @@ MeshWires::MeshWires(const TriangleMesh& mesh, const Camera& camera, int height,
       sharpness_(static_cast<float>(samples)),
       others_(mesh.triangles.size(), {kNoOther, kNoOther, kNoOther}) {
   // Seams are no borders.
-  const std::vector<std::uint32_t> place = first_equal_positions(mesh.vertices);
+  const std::vector<std::uint32_t> representative = first_equal_positions(mesh.vertices);
   std::vector<WireEdge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = place[mesh.triangles[t][(k + 1) % 3]], b = place[mesh.triangles[t][(k + 2) % 3]];
+      const std::uint32_t a = representative[mesh.triangles[t][(k + 1) % 3]],
+                          b = representative[mesh.triangles[t][(k + 2) % 3]];
       edges.push_back({std::min(a, b), std::max(a, b), t, k});
     }
   std::sort(edges.begin(), edges.end());

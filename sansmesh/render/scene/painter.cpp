@@ -64,9 +64,9 @@ struct Replay {
 
 /// Factor of a mean curvature, relative to that of a ball with the radius of the accessibility; clamped to 0, which a
 /// deep groove reaches if `most` is 1.
-float bend_factor(float bend, float most) {
-  if (std::isnan(bend)) return 1;
-  return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend));
+float curvature_factor(float curvature, float most) {
+  if (std::isnan(curvature)) return 1;
+  return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(curvature));
 }
 
 /// A box in the painter's coordinates.
@@ -118,12 +118,12 @@ Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, 
                                options.view.field_of_view, aspect, kPictureMargin, reach, options.view.orthographic);
   double factor = options.view.zoom;
   if (options.view.look_at) {
-    const Vec3f place = frame.to_picture(*options.view.look_at);
+    const Vec3f target = frame.to_picture(*options.view.look_at);
     // Floats cannot represent rays from farther away.
-    if (!(norm(place - middle) <= kFarthestLook)) throw ArgumentError("`look_at` is too far away from the scene");
-    look_at(camera, place);
+    if (!(norm(target - middle) <= kFarthestLook)) throw ArgumentError("`look_at` is too far away from the scene");
+    look_at(camera, target);
     if (options.view.look_radius)
-      factor = zoom_on_ball(camera, static_cast<double>(camera.project(place).depth),
+      factor = zoom_on_ball(camera, static_cast<double>(camera.project(target).depth),
                             *options.view.look_radius / frame.size, kPictureMargin);
   }
   if (!(factor >= 1 / kMostZoom && factor <= kMostZoom))
@@ -290,23 +290,23 @@ class Painter::Work {
     if (options_.look.curvature == nullptr || options_.look.curvature_shading == 0) return;
     const EyeRays eye = batch.eye.rays();
     const std::size_t each = batch.points.size() / batch.pixels.size();
-    std::vector<Vec3> places;
+    std::vector<Vec3> points;
     std::vector<Vec3f> normals;
     std::vector<std::size_t> whose;
     for (std::size_t p = 0; p < batch.pixels.size(); ++p) {
       std::size_t i = p * each;
       while (i < (p + 1) * each && !batch.points[i]) ++i;
       if (i == (p + 1) * each) continue;
-      places.push_back(Vec3(eye.at(i, batch.points[i]->distance)) * frame_.size + frame_.center);
+      points.push_back(Vec3(eye.at(i, batch.points[i]->distance)) * frame_.size + frame_.center);
       normals.push_back(batch.points[i]->normal);
       whose.push_back(p);
     }
-    std::vector<SurfaceCurvature> bends(places.size());
-    if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
+    std::vector<PrincipalCurvatures> curvatures(points.size());
+    if (!points.empty()) options_.look.curvature->evaluate(points, normals, curvatures);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
       batch.access[whose[k]] =
-          bend_factor(bends[k].mean() * radius, static_cast<float>(options_.look.curvature_shading));
+          curvature_factor(mean_curvature(curvatures[k]) * radius, static_cast<float>(options_.look.curvature_shading));
   }
 
   template <class Blocked>

@@ -92,7 +92,7 @@ struct Ball {
 };
 
 template <class Radius>
-void place_balls(Ball* balls, std::span<const Vec3f> centers, const Radius& radius) {
+void write_balls(Ball* balls, std::span<const Vec3f> centers, const Radius& radius) {
   for (std::size_t i = 0; i < centers.size(); ++i) balls[i] = {centers[i].x, centers[i].y, centers[i].z, radius(i)};
 }
 
@@ -118,7 +118,7 @@ std::unique_ptr<RayScene::State> RayScene::make_balls(std::span<const Vec3f> cen
                                                       const Radius& radius) {
   const bool flat = !normals.empty();
   auto state = std::make_unique<State>(flat ? RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT : RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  place_balls(state->template buffer<Ball>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, centers.size()), centers, radius);
+  write_balls(state->template buffer<Ball>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, centers.size()), centers, radius);
   if (flat)
     std::copy(normals.begin(), normals.end(),
               state->template buffer<Vec3f>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, normals.size()));

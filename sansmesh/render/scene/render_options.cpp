@@ -73,7 +73,7 @@ const OptionSchema& PictureLook::schema() {
       option<&O::background, BackgroundOption>({.text = "gradient, transparent, or a colour: '#rrggbb' or a name",
                                                 .unit = "name",
                                                 .from_data = "gradient",
-                                                .usual_words = kBackgrounds}),
+                                                .suggestions = kBackgrounds}),
       option<&O::wireframe>({.text = "Edges of triangles over the surface; `wireframe`=only: the visible edges alone",
                              .choices = kOverOrOnly,
                              .implied = "over"}),
@@ -126,7 +126,7 @@ const OptionSchema& PictureAnnotation::schema() {
        .unit = "unit",
        .implied = "",
        .needs = "orthographic",
-       .usual_words = kLengthUnits})};
+       .suggestions = kLengthUnits})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

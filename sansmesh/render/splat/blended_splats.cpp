@@ -142,9 +142,9 @@ void BlendedScene::closest(const EyeRays& rays, std::span<std::optional<SurfaceP
   const float part = 1 / (n * n);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     points[i].reset();
-    const ProjectedPoint place =
+    const ProjectedPoint projected =
         camera_.project(rays.origin(i) + (camera_.parallel ? 0.0f : 1.0f) * rays.directions[i]);
-    const float x = (place.x + 1) * 0.5f * width, y = (1 - place.y) * 0.5f * height;
+    const float x = (projected.x + 1) * 0.5f * width, y = (1 - projected.y) * 0.5f * height;
     const float left = std::floor(x), top = std::floor(y);
     const std::span<const SplatLayer> layers = layers_.at(whole_part<int>(left), whole_part<int>(top));
     if (layers.empty()) continue;

@@ -36,17 +36,17 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
                           const PictureFrame& frame) {
   const std::size_t n = mesh.vertices.size();
   const VertexCorners around(mesh.triangles, n);
-  std::vector<Vec3f> places(n), normals(n);
+  std::vector<Vec3f> positions(n), normals(n);
   std::vector<float> spacings(n), slopes(n);  // distances of neighbours and slopes of front numbers
-  for (std::size_t v = 0; v < n; ++v) places[v] = frame.to_picture(mesh.origin + Vec3(mesh.vertices[v]));
+  for (std::size_t v = 0; v < n; ++v) positions[v] = frame.to_picture(mesh.origin + Vec3(mesh.vertices[v]));
   parallel_for(0, n, 1024, [&](std::size_t v) {
     float farthest = 0;
     Vec3f side;
-    const auto corners = std::span(around.corner).subspan(around.first[v], around.first[v + 1] - around.first[v]);
+    const std::span<const std::uint32_t> corners = around[v];
     for (const std::uint32_t c : corners) {
       const Triangle& t = mesh.triangles[c / 3];
-      side += cross(places[t[1]] - places[t[0]], places[t[2]] - places[t[0]]);
-      for (const std::uint32_t o : t) farthest = std::max(farthest, norm(places[o] - places[v]));
+      side += cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
+      for (const std::uint32_t o : t) farthest = std::max(farthest, norm(positions[o] - positions[v]));
     }
     if (!(farthest > 0) || !is_finite(side)) return;
     Symmetric3 covariance;
@@ -56,7 +56,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
       for (const std::uint32_t c : corners)
         for (const std::uint32_t o : mesh.triangles[c / 3]) {
           if (o == v) continue;
-          const Vec3 d(places[o] - places[v]);
+          const Vec3 d(positions[o] - positions[v]);
           use(d, std::exp(-squared_norm(d) / (static_cast<double>(farthest) * static_cast<double>(farthest))));
         }
     };
@@ -75,7 +75,8 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     double aa = 0, ab = 0, bb = 0, af = 0, bf = 0;
     for (const std::uint32_t c : corners)
       for (const std::uint32_t o : mesh.triangles[c / 3]) {
-        const double x = dot(places[o] - places[v], a), y = dot(places[o] - places[v], b), f = fronts[o] - fronts[v];
+        const double x = dot(positions[o] - positions[v], a), y = dot(positions[o] - positions[v], b),
+                     f = fronts[o] - fronts[v];
         aa += x * x, ab += x * y, bb += y * y, af += x * f, bf += y * f;
       }
     const double det = aa * bb - ab * ab;
@@ -87,7 +88,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
   const bool colored = options.look.use_colors && mesh.colors.size() == n;
   for (std::size_t v = 0; v < n; ++v) {
     if (!(spacings[v] > 0)) continue;
-    splats.centers.push_back(places[v]);
+    splats.centers.push_back(positions[v]);
     splats.normals.push_back(normals[v]);
     splats.spacings.push_back(spacings[v]);
     splats.fronts.push_back(fronts[v]);

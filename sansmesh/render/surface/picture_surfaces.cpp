@@ -28,10 +28,10 @@ bool soft_light(const RenderOptions& options) {
 }
 
 /// A surface whose caster has local coordinates.
-class PlacedScene final : public PictureScene {
+class CastScene final : public PictureScene {
  public:
-  PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
-              const SurfaceRenderOptions& options)
+  CastScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+            const SurfaceRenderOptions& options)
       : options_(options), scene_(caster, frame, camera, colors, options_) {}
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
     scene_.closest(rays, points);
@@ -178,10 +178,10 @@ class ClearVolume final : public VolumeField {
   explicit ClearVolume(const Box3& box) : box_(box) {}
   std::size_t components() const override { return 1; }
   Box3 bounds() const override { return box_; }
-  void evaluate(std::span<const Vec3> /*x*/, const VolumeAnswers& answers) const override {
-    std::fill(answers.values.begin(), answers.values.end(), 0.0);
-    std::fill(answers.gradients.begin(), answers.gradients.end(), Vec3{});
-    std::fill(answers.inside.begin(), answers.inside.end(), std::uint8_t{1});
+  void evaluate(std::span<const Vec3> /*x*/, const VolumeFieldValues& values) const override {
+    std::fill(values.values.begin(), values.values.end(), 0.0);
+    std::fill(values.gradients.begin(), values.gradients.end(), Vec3{});
+    std::fill(values.inside.begin(), values.inside.end(), std::uint8_t{1});
   }
   void spacing(std::span<const Vec3> /*x*/, std::span<double> found) const override {
     std::fill(found.begin(), found.end(), box_.diagonal());
@@ -217,7 +217,7 @@ SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& local,
   own.picture.look.shadows = false;
   return [&caster, local, colors, own](const PictureFrame& frame, const Camera& camera) {
     const PictureFrame placed{local.from_input(frame.center), local.from_input(frame.size)};
-    return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
+    return std::make_unique<CastScene>(caster, placed, camera, colors, own);
   };
 }
 

@@ -93,9 +93,9 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
   }
   residual_ = sample.residual;
   if (phase_ == Phase::bracket) return narrow(sample, rules);
-  const Place now{at_, sample.value};
+  const RaySample now{at_, sample.value};
   if (phase_ == Phase::dip) {
-    const Place& left = now.t > low_.t ? low_ : before_;
+    const RaySample& left = now.t > low_.t ? low_ : before_;
     if (!opposite(now.value, left.value)) return go_on_from(high_, rules);
     low_ = left;
     high_ = now;
@@ -197,7 +197,7 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
 }
 
 /// Of three samples on the same side with the middle one nearest: whether a parabola through them reaches the surface.
-bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
+bool RayWalk::look_into_dip(const RaySample& now, const WalkRules& rules) {
   const double a = std::abs(before_.value), b = std::abs(low_.value), c = std::abs(now.value);
   const double left = low_.t - before_.t, right = now.t - low_.t;
   const double fall = (b - a) / left, rise = (c - b) / right, bend = (rise - fall) / (left + right);
@@ -215,13 +215,13 @@ bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
 }
 
 /// Continues as if the sample there had found nothing.
-void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
+void RayWalk::go_on_from(const RaySample& sample, const WalkRules& rules) {
   phase_ = Phase::march;
-  low_ = place;
+  low_ = sample;
   known_ = 1;
   if (leaving_) return leave();
-  const double step = std::clamp(std::abs(place.value), rules.smallest_step * radius_, rules.largest_step * radius_);
-  go_to(place.t + step, rules, Request::root);
+  const double step = std::clamp(std::abs(sample.value), rules.smallest_step * radius_, rules.largest_step * radius_);
+  go_to(sample.t + step, rules, Request::root);
 }
 
 /// The sample is one end of the bracket [low_, high_]; chooses the next position.

@@ -54,7 +54,7 @@ class RayWalk {
   void take(const WalkSample& sample, const WalkRules& rules);
 
  private:
-  struct Place {
+  struct RaySample {
     double t = 0, value = 0;
   };
   enum class Phase { march, bracket, dip };
@@ -67,10 +67,10 @@ class RayWalk {
   void march_on(const WalkSample& sample, const WalkRules& rules);
   void step_outside(const WalkSample& sample, const WalkRules& rules);
   bool accept(const WalkSample& sample, const WalkRules& rules) const;
-  bool look_into_dip(const Place& now, const WalkRules& rules);
+  bool look_into_dip(const RaySample& now, const WalkRules& rules);
   void close_in(const WalkSample& sample, const WalkRules& rules);
   void narrow(const WalkSample& sample, const WalkRules& rules);
-  void go_on_from(const Place& place, const WalkRules& rules);
+  void go_on_from(const RaySample& sample, const WalkRules& rules);
 
   double at_ = 0, end_ = 0, far_ = 0, radius_ = 0;
   double next_ = 0;  // next position once the ball behind end_ is known
@@ -80,11 +80,11 @@ class RayWalk {
   bool at_start_ = false;  // the ray starts here, inside a ball
   bool leaving_ = false;   // the last sample before a gap between the balls
   bool hit_ = false;
-  BallSegment following_;  // behind that gap
-  int known_ = 0;          // number of valid values among low_ and before_ in one stretch inside the domain
-  Place low_, before_;     // the last sample and the one before it
-  Place high_;             // other side of the surface, or the position to continue from after a dip
-  double residual_ = 0;    // residual of the previous sample, if it was aimed at this one; else 0
+  BallSegment following_;   // behind that gap
+  int known_ = 0;           // number of valid values among low_ and before_ in one stretch inside the domain
+  RaySample low_, before_;  // the last sample and the one before it
+  RaySample high_;          // other side of the surface, or the position to continue from after a dip
+  double residual_ = 0;     // residual of the previous sample, if it was aimed at this one; else 0
   double outside_value_ = 0;
   double outside_ = 0;       // the last position outside of the domain
   double inside_again_ = 0;  // a position beyond it that is inside

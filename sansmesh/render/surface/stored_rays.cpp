@@ -151,7 +151,7 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
   std::vector<Walk> walks(rays.size());
   std::vector<CastRay> seeking;
   std::vector<StoredHit> found;
-  std::vector<Vec3> places;
+  std::vector<Vec3> starts;
   std::vector<FootPoint> feet;
   StoredCounts counts;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
@@ -168,7 +168,7 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
     polynomials.first(seeking, found);
     counts.queries += seeking.size();
     std::size_t next = 0, left = 0;
-    places.clear();
+    starts.clear();
     for (Walk& w : walks) {
       if (w.seeks) {
         const StoredHit& hit = found[next++];
@@ -180,21 +180,21 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
         w.from = hit.distance + BallSegments::slack(hit.distance, balls.radii[hit.ball]);
         w.in_ball = 0, w.seeks = false;
       }
-      places.push_back(on_ray(w));
+      starts.push_back(on_ray(w));
       walks[left++] = w;
     }
     walks.resize(left);
     feet.resize(left);
-    projection.project(places, feet);
+    projection.project(starts, feet);
     left = 0;
-    for (std::size_t k = 0; k < places.size(); ++k) {
+    for (std::size_t k = 0; k < starts.size(); ++k) {
       Walk& w = walks[k];
       const FootPoint& foot = feet[k];
       const double radius = static_cast<double>(balls.radii[w.ball]);
       ++w.evaluations, ++w.in_ball;
       const Vec3 direction(rays[w.ray].direction);
-      const double root = foot.defined ? meet(foot, places[k], direction) : std::numeric_limits<double>::quiet_NaN();
-      if (foot.defined && norm(places[k] - foot.position) <= tolerance * radius) {
+      const double root = foot.defined ? meet(foot, starts[k], direction) : std::numeric_limits<double>::quiet_NaN();
+      if (foot.defined && norm(starts[k] - foot.position) <= tolerance * radius) {
         if (std::abs(root) <= 0.05 * radius) w.at += root;
         hits[w.ray] = {true, static_cast<float>(w.at), on_ray(w), Vec3f(foot.normal), static_cast<float>(radius)};
         counts.hit_evaluations += static_cast<std::uint64_t>(w.evaluations);

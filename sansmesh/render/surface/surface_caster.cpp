@@ -33,7 +33,7 @@ struct Scratch {
   std::vector<FootPoint> feet;
 };
 
-Vec3 place_on(const CastRay& ray, double t) { return Vec3(ray.origin) + Vec3(ray.direction) * t; }
+Vec3 point_on_ray(const CastRay& ray, double t) { return Vec3(ray.origin) + Vec3(ray.direction) * t; }
 
 BallUnion usable(const BallUnion& balls) {
   if (balls.centers.size() != balls.radii.size())
@@ -179,7 +179,8 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
     found[i] = {};
     if (walk.hit()) {
       const double t = walk.distance();
-      found[i] = {true, static_cast<float>(t), place_on(batch[i], t), walk.normal(), static_cast<float>(walk.radius())};
+      found[i] = {true, static_cast<float>(t), point_on_ray(batch[i], t), walk.normal(),
+                  static_cast<float>(walk.radius())};
     }
     hit_count += walk.hit();
     (walk.hit() ? for_hits : for_misses) += static_cast<std::uint64_t>(walk.evaluations());
@@ -247,7 +248,7 @@ void SurfaceCaster::State::sample_field(std::span<const CastRay> batch, Scratch&
     const std::vector<std::uint32_t>& who = with_gradient ? s.roots : s.values;
     if (who.empty()) continue;
     s.positions.clear();
-    for (const std::uint32_t i : who) s.positions.push_back(place_on(batch[i], s.walks[i].at()));
+    for (const std::uint32_t i : who) s.positions.push_back(point_on_ray(batch[i], s.walks[i].at()));
     s.numbers.resize(who.size());
     s.inside.resize(who.size());
     s.gradients.resize(with_gradient ? who.size() : 0);
@@ -271,7 +272,7 @@ void SurfaceCaster::State::sample_field(std::span<const CastRay> batch, Scratch&
 
 void SurfaceCaster::State::sample_projection(std::span<const CastRay> batch, Scratch& s) const {
   s.positions.clear();
-  for (const std::uint32_t i : s.values) s.positions.push_back(place_on(batch[i], s.walks[i].at()));
+  for (const std::uint32_t i : s.values) s.positions.push_back(point_on_ray(batch[i], s.walks[i].at()));
   s.feet.resize(s.values.size());
   projection->project(s.positions, s.feet);
   for (std::size_t k = 0; k < s.values.size(); ++k) {

@@ -90,13 +90,13 @@ HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPoint& p) {
 
 void BrickValues(const BrickTree& tree, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) {
   constexpr std::size_t kTogether = 16;
-  BrickPoint places[kTogether];
+  BrickPoint located[kTogether];
   float found[4];
   for (std::size_t first = 0; first < x.size(); first += kTogether) {
     const std::size_t n = std::min(kTogether, x.size() - first);
-    for (std::size_t k = 0; k < n; ++k) FetchNodes(tree, places[k] = point_in_bricks(tree, x[first + k]));
+    for (std::size_t k = 0; k < n; ++k) FetchNodes(tree, located[k] = point_in_bricks(tree, x[first + k]));
     for (std::size_t k = 0; k < n; ++k) {
-      BetweenNodes(tree, places[k], found);
+      BetweenNodes(tree, located[k], found);
       const std::size_t i = first + k;
       if (!values.empty()) values[i] = static_cast<double>(found[0]);
       if (!gradients.empty()) gradients[i] = Vec3(Vec3f{found[1], found[2], found[3]});

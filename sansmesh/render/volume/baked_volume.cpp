@@ -96,7 +96,7 @@ bool BakedVolume::refine(Progress& progress) {
 const BakeReport& BakedVolume::report() const { return bricks_->report; }
 Box3 BakedVolume::bounds() const { return bricks_->box; }
 
-void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   const detail::BrickTree tree = bricks_->tree();
   const detail::BakedBricks& s = *bricks_;
   constexpr std::size_t kGrain = 2048;

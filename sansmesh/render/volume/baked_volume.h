@@ -41,7 +41,7 @@ class BakedVolume : public VolumeField {
   Box3 bounds() const override;
   std::size_t components() const override { return 1; }
   /// About 30 ns per point and thread. `inside`: that of most nodes around a point, weighted by their distance.
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   /// The field's spacing where cells are finer, else the shortest edge of the cell at each x.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
   /// Exact bounds of the values of all bricks that a box touches.

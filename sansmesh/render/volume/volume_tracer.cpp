@@ -100,7 +100,7 @@ bool VolumeTracer::next_interval(TracedWalk& walk, const Scratch& s) const {
 }
 
 /// Finds the next position of the walk; false at its end.
-bool VolumeTracer::next_place(TracedWalk& walk, const Scratch& scratch) const {
+bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
   for (;;) {
     if (!walk.within) {
       if (!next_interval(walk, scratch)) return false;
@@ -275,7 +275,7 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
     std::size_t kept = 0;
     s.x.clear();
     for (const std::uint32_t w : s.active) {
-      if (!next_place(s.walks[w], s)) continue;
+      if (!advance(s.walks[w], s)) continue;
       s.active[kept++] = w;
       s.x.push_back(frame_.world(s.walks[w], s.walks[w].t));
     }

@@ -56,7 +56,7 @@ class VolumeTracer {
 
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
   bool next_interval(TracedWalk& walk, const Scratch& scratch) const;
-  bool next_place(TracedWalk& walk, const Scratch& scratch) const;
+  bool advance(TracedWalk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
   bool too_far(const TracedWalk& walk, const TracedSample& now) const;
   std::size_t evaluate(Scratch& scratch) const;

@@ -9,7 +9,7 @@ ValueRange shape_range(const QuadricPiece* pieces, PieceCombination how, const V
   std::array<ValueRange, kMostPieces> r{};
   for (std::size_t k = 0; k < how.pieces; ++k) {
     const double value = pieces[k].value(x);
-    const double most = (norm(pieces[k].gradient(x)) + pieces[k].bend() * radius) * radius;
+    const double most = (norm(pieces[k].gradient(x)) + pieces[k].hessian_norm() * radius) * radius;
     r[k] = {value - most, value + most};
   }
   return how.combine(r, [](bool larger, const ValueRange& a, const ValueRange& b) {

@@ -42,7 +42,7 @@ struct QuadricPiece {
     return q;
   }
   /// Frobenius norm of A, at least its largest absolute eigenvalue.
-  double bend() const { return std::sqrt(xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)); }
+  double hessian_norm() const { return std::sqrt(xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)); }
 };
 
 /// Largest number of quadrics that meet at an edge or a corner.

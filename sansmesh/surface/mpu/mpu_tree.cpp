@@ -41,7 +41,7 @@ struct FitWork {
   std::vector<Neighbour> found;
   std::vector<Vec3> positions, normals;
   std::vector<double> weights;
-  std::vector<DistancePlace> places;
+  std::vector<DistanceConstraint> constraints;
 
   BallSamples samples() const { return {positions, normals, weights}; }
 };
@@ -57,7 +57,7 @@ class CellFitter {
  private:
   double enlarged(const Vec3& center, double radius, FitWork& work) const;
   void take(const Vec3& center, double radius, std::size_t stride, FitWork& work) const;
-  void find_places(const Vec3& center, double edge, FitWork& work) const;
+  void find_constraints(const Vec3& center, double edge, FitWork& work) const;
   bool fit_many(const Vec3& center, double edge, double radius, FitWork& work, CellFit& fit) const;
   void fit_few(bool none, FitWork& work, CellFit& fit) const;
 
@@ -88,8 +88,8 @@ void CellFitter::take(const Vec3& center, double radius, std::size_t stride, Fit
 }
 
 /// Finds those corners and centre of the cell for which the nearest samples agree on the side.
-void CellFitter::find_places(const Vec3& center, double edge, FitWork& work) const {
-  work.places.clear();
+void CellFitter::find_constraints(const Vec3& center, double edge, FitWork& work) const {
+  work.constraints.clear();
   for (unsigned k = 0; k < 9; ++k) {
     const double h = edge / 2;
     const Vec3 x = k == 8 ? Vec3{} : Vec3{k & 1 ? h : -h, k & 2 ? h : -h, k & 4 ? h : -h};
@@ -101,7 +101,7 @@ void CellFitter::find_places(const Vec3& center, double edge, FitWork& work) con
       const double d = dot(center + x - Vec3(positions_[near[i].index]), Vec3(normals_[near[i].index]));
       sum += d, outside += d > 0;
     }
-    if (n > 0 && (outside == 0 || outside == n)) work.places.push_back({x, sum / static_cast<double>(n)});
+    if (n > 0 && (outside == 0 || outside == n)) work.constraints.push_back({x, sum / static_cast<double>(n)});
   }
 }
 
@@ -119,13 +119,13 @@ bool CellFitter::fit_many(const Vec3& center, double edge, double radius, FitWor
       std::any_of(work.normals.begin(), work.normals.end(), [&](const Vec3& n) { return dot(n, up) <= 0; });
   fit.kind = turned ? LeafShape::general : LeafShape::heights;
   fit.shape.combination = {};
-  if (turned) find_places(center, edge, work);
-  if (turned && work.places.empty()) {
+  if (turned) find_constraints(center, edge, work);
+  if (turned && work.constraints.empty()) {
     fit.shape.pieces[0] = height_quadric(work.samples(), up, 1);
     return false;
   }
   fit.shape.pieces[0] =
-      turned ? general_quadric(work.samples(), work.places, radius) : height_quadric(work.samples(), up, 2);
+      turned ? general_quadric(work.samples(), work.constraints, radius) : height_quadric(work.samples(), up, 2);
   return true;
 }
 

@@ -73,7 +73,8 @@ QuadricPiece height_quadric(const BallSamples& samples, const Vec3& up, int degr
   return local.seen_from(-middle);
 }
 
-QuadricPiece general_quadric(const BallSamples& samples, std::span<const DistancePlace> places, double radius) {
+QuadricPiece general_quadric(const BallSamples& samples, std::span<const DistanceConstraint> constraints,
+                             double radius) {
   double weight = 0;
   for (const double w : samples.weights) weight += w;
   Square<10> matrix = Square<10>::Zero();
@@ -82,8 +83,8 @@ QuadricPiece general_quadric(const BallSamples& samples, std::span<const Distanc
     const Column<10> b = general_basis(samples.positions[i] / radius);
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(b, samples.weights[i] / weight);
   }
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(places.size(), 1));
-  for (const DistancePlace& p : places) {
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(constraints.size(), 1));
+  for (const DistanceConstraint& p : constraints) {
     const Column<10> b = general_basis(p.x / radius);
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(b, share);
     right += b * (share * p.distance / radius);

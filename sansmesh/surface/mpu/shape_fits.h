@@ -15,7 +15,7 @@ struct BallSamples {
 };
 
 /// A point off the surface, relative to the centre, and its approximate distance from the surface (length).
-struct DistancePlace {
+struct DistanceConstraint {
   Vec3 x;
   double distance;
 };
@@ -26,6 +26,7 @@ QuadricPiece height_quadric(const BallSamples& samples, const Vec3& up, int degr
 
 /// Case (a): a general quadric, 0 at the samples and approximately the distance at the given points, both with equal
 /// total weight. The smallest one if they do not determine it. `radius`: radius of the ball (length).
-QuadricPiece general_quadric(const BallSamples& samples, std::span<const DistancePlace> places, double radius);
+QuadricPiece general_quadric(const BallSamples& samples, std::span<const DistanceConstraint> constraints,
+                             double radius);
 
 }  // namespace sansmesh::inline v1

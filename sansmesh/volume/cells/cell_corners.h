@@ -15,7 +15,7 @@ inline CellShape shape_of_cell(const SampledVolume& volume, std::size_t cell) {
   return volume.lattice ? CellShape::hexahedron : volume.cells.shapes[cell];
 }
 
-/// Position of a cell corner as numbered in VolumePlace.
+/// Position of a cell corner as numbered in CellLocation.
 inline Vec3 corner_position(const SampledVolume& volume, std::uint32_t corner) {
   return volume.lattice ? volume.lattice->position(corner) : volume.corner(corner);
 }

@@ -61,12 +61,12 @@ std::uint32_t FaceNeighbours::beyond(std::size_t cell, std::size_t face, double 
   const CellFace& f = cell_faces(finder_.cells().shapes[cell])[face];
   std::array<Vec3, 4> x;
   for (std::size_t k = 0; k < 4; ++k) x[k] = finder_.corner(cell, f.corner[std::min<std::size_t>(k, f.count - 1)]);
-  const Vec3 place = x[0] + ((x[1] - x[0]) * (1 - s) + (x[2] - x[3]) * s) * r + (x[3] - x[0]) * s;
+  const Vec3 on_face = x[0] + ((x[1] - x[0]) * (1 - s) + (x[2] - x[3]) * s) * r + (x[3] - x[0]) * s;
   const Vec3 normal = normalized(cross(x[2] - x[0], x[3] - x[1]));
   // A tenth of the way from the cell centre to the face, beyond the face along its normal.
   const double half = dot(normal, (x[0] + x[1] + x[2] + x[3]) / 4 - finder_.middle(cell));
   return finder_.smallest(
-      place + normal * (0.1 * std::abs(half)), [cell](std::uint32_t other) { return other != cell; }, scratch);
+      on_face + normal * (0.1 * std::abs(half)), [cell](std::uint32_t other) { return other != cell; }, scratch);
 }
 
 void for_each_partial_neighbour(const FaceNeighbours& faces,
@@ -81,9 +81,9 @@ void for_each_partial_neighbour(const FaceNeighbours& faces,
       const auto of_cell = cell_faces(cells.shapes[c]);
       for (std::size_t f = 0; f < of_cell.size(); ++f) {
         if (faces.equal(c, f) != kNoCell) continue;
-        constexpr double kPlaces[4][2] = {{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
+        constexpr double kParameters[4][2] = {{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}};
         for (std::size_t k = 0; k < of_cell[f].count; ++k) {
-          const std::uint32_t other = faces.beyond(c, f, kPlaces[k][0], kPlaces[k][1], scratch);
+          const std::uint32_t other = faces.beyond(c, f, kParameters[k][0], kParameters[k][1], scratch);
           if (other != kNoCell) found.push_back({static_cast<std::uint32_t>(c), cells[c][of_cell[f].corner[k]], other});
         }
       }

@@ -34,13 +34,13 @@ void cube_derivatives(const Vec3& u, std::span<Vec3, 8> d) {
 double descend(std::span<const Vec3, 8> x, Vec3& u) {
   std::array<double, 8> w;
   std::array<Vec3, 8> d;
-  const auto place = [&](const Vec3& v) {
+  const auto point_at = [&](const Vec3& v) {
     cube_functions(v, w);
     Vec3 sum;
     for (std::size_t c = 0; c < 8; ++c) sum += x[c] * w[c];
     return sum;
   };
-  Vec3 at = place(u);
+  Vec3 at = point_at(u);
   double best = squared_norm(at), damping = 1e-6;
   for (int step = 0; step < 40; ++step) {
     cube_derivatives(u, d);
@@ -74,7 +74,7 @@ double descend(std::span<const Vec3, 8> x, Vec3& u) {
       }
       Vec3 next;
       for (std::size_t k = 0; k < 3; ++k) next[k] = std::clamp(u[k] + move[k], 0.0, 1.0);
-      const Vec3 there = place(next);
+      const Vec3 there = point_at(next);
       const double distance = squared_norm(there);
       if (distance < best) {
         better = best - distance > 1e-14 * best;
@@ -298,9 +298,9 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
     const int r = i % 3, t = i / 9, row = i / 3 % 3;
     Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.1 + 0.4 * t};
     cube_functions(start, w);
-    Vec3 place;
-    for (std::size_t c = 0; c < 8; ++c) place += x[c] * w[c];
-    double distance = squared_norm(place);
+    Vec3 at;
+    for (std::size_t c = 0; c < 8; ++c) at += x[c] * w[c];
+    double distance = squared_norm(at);
     if (distance < first.distance)
       second = first, first = {distance, start};
     else if (distance < second.distance)
@@ -329,9 +329,9 @@ double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights) {
     const int r = i % 3, row = i / 3;
     const Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.5};
     cube_functions(start, w);
-    Vec3 place;
-    for (std::size_t k = 0; k < 8; ++k) place += x[k] * w[k];
-    if (squared_norm(place) < least) least = squared_norm(place), u = start;
+    Vec3 at;
+    for (std::size_t k = 0; k < 8; ++k) at += x[k] * w[k];
+    if (squared_norm(at) < least) least = squared_norm(at), u = start;
   }
   const double distance = descend(x, u);
   cube_functions(u, w);

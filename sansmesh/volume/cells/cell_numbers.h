@@ -18,7 +18,7 @@ inline std::size_t cell_count(const SampledVolume& volume) {
   return count;
 }
 
-/// The index of the k-th cell, k < cell_count(); for lattices as in VolumePlace.
+/// The index of the k-th cell, k < cell_count(); for lattices as in CellLocation.
 inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
   if (!volume.lattice) return k;
   const auto& axes = volume.lattice->axes;
@@ -27,18 +27,18 @@ inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
 }
 
 /// A cell with its corners, without a point in it.
-inline VolumePlace place_of_cell(const SampledVolume& volume, std::size_t cell) {
-  VolumePlace place;
-  place.cell = static_cast<std::uint32_t>(cell);
+inline CellLocation location_of_cell(const SampledVolume& volume, std::size_t cell) {
+  CellLocation location;
+  location.cell = static_cast<std::uint32_t>(cell);
   if (volume.lattice) {
-    place.corner_count = 8;
-    place.corners = corners_of_lattice_cell(*volume.lattice, cell);
-    return place;
+    location.corner_count = 8;
+    location.corners = corners_of_lattice_cell(*volume.lattice, cell);
+    return location;
   }
   const auto corners = volume.cells[cell];
-  place.corner_count = static_cast<std::uint8_t>(corners.size());
-  std::copy(corners.begin(), corners.end(), place.corners.begin());
-  return place;
+  location.corner_count = static_cast<std::uint8_t>(corners.size());
+  std::copy(corners.begin(), corners.end(), location.corners.begin());
+  return location;
 }
 
 }  // namespace sansmesh::inline v1

@@ -24,22 +24,22 @@ namespace {
 constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
 constexpr double kStrict = 1e-10;  // in parameters: closer points are on the face
 
-void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
+void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, CellLocation& location) {
   const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
-  place.inside = is_finite(x);
+  location.inside = is_finite(x);
   std::size_t cell[3];
   Vec3 u;
   for (std::size_t k = 0; k < 3; ++k) {
-    place.inside = place.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
+    location.inside = location.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
     const double c = std::clamp(a[k], l.lower[k], l.upper[k]);
     cell[k] = interval_of(l.axes[k], l.uniform, c);
     const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
     u[k] = (c - from) / (to - from);
   }
-  place.corners = corners_of_lattice_cell(l, cell[0] + l.axes[0].size() * (cell[1] + l.axes[1].size() * cell[2]));
-  place.cell = place.corners[0];
-  place.corner_count = 8;
-  shape_functions(CellShape::hexahedron, u, place.weights);
+  location.corners = corners_of_lattice_cell(l, cell[0] + l.axes[0].size() * (cell[1] + l.axes[1].size() * cell[2]));
+  location.cell = location.corners[0];
+  location.corner_count = 8;
+  shape_functions(CellShape::hexahedron, u, location.weights);
 }
 
 }  // namespace
@@ -104,16 +104,16 @@ struct VolumeLocator::State {
     return points.count;
   }
 
-  void set(VolumePlace& place, std::uint32_t cell) const {
+  void set(CellLocation& location, std::uint32_t cell) const {
     const auto points = volume.cells[cell];
-    place.cell = cell;
-    place.corner_count = static_cast<std::uint8_t>(points.size());
-    std::copy(points.begin(), points.end(), place.corners.begin());
+    location.cell = cell;
+    location.corner_count = static_cast<std::uint8_t>(points.size());
+    std::copy(points.begin(), points.end(), location.corners.begin());
   }
 
   /// The nearest point to x on the faces without a neighbour.
-  void locate_outside(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
-    if (locate_next_to(x, place, candidates)) return;
+  void locate_outside(const Vec3& x, CellLocation& location, std::vector<std::uint32_t>& candidates) const {
+    if (locate_next_to(x, location, candidates)) return;
     std::call_once(border_made, [this] { make_border(); });
     const auto distance = [&](std::uint32_t i) {
       std::array<Vec3, 4> r;
@@ -124,23 +124,23 @@ struct VolumeLocator::State {
     };
     const std::uint32_t nearest = border.tree.nearest(x, distance, std::numeric_limits<double>::infinity());
     if (nearest == BoxTree::kNone) {  // no border (a volume that closes on itself), or distances that overflow
-      set(place, 0);
-      place.weights[0] = 1;
+      set(location, 0);
+      location.weights[0] = 1;
       return;
     }
     const std::uint32_t id = border.faces[nearest];
-    set(place, id / kMostFaces);
+    set(location, id / kMostFaces);
     std::array<Vec3, 4> ring;
     std::array<double, 4> weights;
     const std::size_t count = ring_of(id, x, ring);
     nearest_on_face(std::span(ring).first(count), weights);
-    const CellFace& face = cell_faces(volume.cells.shapes[place.cell])[id % kMostFaces];
-    for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
+    const CellFace& face = cell_faces(volume.cells.shapes[location.cell])[id % kMostFaces];
+    for (std::size_t k = 0; k < count; ++k) location.weights[face.corner[k]] = weights[k];
   }
 
   /// Most points outside are just beyond a face, at ends of rays. The point of a cell at nearly the same parameters
   /// suffices for them, without a search.
-  bool locate_next_to(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+  bool locate_next_to(const Vec3& x, CellLocation& location, std::vector<std::uint32_t>& candidates) const {
     const double near = kBeside * tolerance;
     const Vec3 slack{near, near, near};
     cells.overlapping({x - slack, x + slack}, candidates);
@@ -159,36 +159,37 @@ struct VolumeLocator::State {
       if (d < least || (d == least && cell < best)) least = d, best = cell, at = u;
     }
     if (best == kNoCell) return false;
-    set(place, best);
-    shape_functions(volume.cells.shapes[best], at, place.weights);
+    set(location, best);
+    shape_functions(volume.cells.shapes[best], at, location.weights);
     return true;
   }
 
   /// `start` is a cell nearby, or none, and receives the cell found.
-  void locate(const Vec3& x, VolumePlace& place, std::uint32_t& start, std::vector<std::uint32_t>& candidates) const {
+  void locate(const Vec3& x, CellLocation& location, std::uint32_t& start,
+              std::vector<std::uint32_t>& candidates) const {
     if (!is_finite(x)) {
-      place.inside = false;
-      place.weights.fill(0);
-      set(place, 0);
-      place.weights[0] = 1;
+      location.inside = false;
+      location.weights.fill(0);
+      set(location, 0);
+      location.weights[0] = 1;
       return;
     }
     Vec3 u;
     if (const std::uint32_t cell = cache->find(x, start, kStrict, u); cell != kNoCell) {
-      place.inside = true;
-      set(place, cell);
-      shape_functions(volume.cells.shapes[cell], u, place.weights);
+      location.inside = true;
+      set(location, cell);
+      shape_functions(volume.cells.shapes[cell], u, location.weights);
       start = cell;
       return;
     }
-    place.inside = false;
-    place.weights.fill(0);
-    search(x, place, candidates);
-    if (place.inside) cache->count(place.cell);
-    start = place.cell;
+    location.inside = false;
+    location.weights.fill(0);
+    search(x, location, candidates);
+    if (location.inside) cache->count(location.cell);
+    start = location.cell;
   }
 
-  void search(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+  void search(const Vec3& x, CellLocation& location, std::vector<std::uint32_t>& candidates) const {
     cells.containing(x, candidates);
     std::array<Vec3, 8> corners;
     // Inside a cell, where the smallest counts, or only on cell faces, where the first counts.
@@ -230,9 +231,9 @@ struct VolumeLocator::State {
       }
     }
     if (within != kNoCell || touched != kNoCell) {
-      place.inside = true;
-      set(place, within != kNoCell ? within : touched);
-      shape_functions(volume.cells.shapes[place.cell], within != kNoCell ? within_at : touched_at, place.weights);
+      location.inside = true;
+      set(location, within != kNoCell ? within : touched);
+      shape_functions(volume.cells.shapes[location.cell], within != kNoCell ? within_at : touched_at, location.weights);
       return;
     }
     if (failed) {  // folded or nearly flat cells, for which Newton's method diverges
@@ -241,16 +242,16 @@ struct VolumeLocator::State {
         std::array<double, 8> weights;
         const std::size_t count = corners_of(cell, x, corners);
         const double d = nearest_in_cell(volume.cells.shapes[cell], std::span(corners).first(count), weights);
-        if (!(d <= nearest) || (d == nearest && place.inside && cell > place.cell)) continue;
-        place.inside = true;
+        if (!(d <= nearest) || (d == nearest && location.inside && cell > location.cell)) continue;
+        location.inside = true;
         nearest = d;
-        set(place, cell);
-        place.weights.fill(0);
-        std::copy_n(weights.begin(), count, place.weights.begin());
+        set(location, cell);
+        location.weights.fill(0);
+        std::copy_n(weights.begin(), count, location.weights.begin());
       }
-      if (place.inside) return;
+      if (location.inside) return;
     }
-    locate_outside(x, place, candidates);
+    locate_outside(x, location, candidates);
   }
 };
 
@@ -259,16 +260,18 @@ VolumeLocator::~VolumeLocator() = default;
 
 const SampledVolume& VolumeLocator::volume() const { return state_->volume; }
 
-void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places) const { locate(x, places, {}); }
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<CellLocation> locations) const {
+  locate(x, locations, {});
+}
 
-void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places,
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<CellLocation> locations,
                            std::span<std::uint32_t> starts) const {
-  if (x.size() != places.size() || (starts.size() > 1 && starts.size() != x.size()))
-    throw ArgumentError("VolumeLocator: the numbers of places and points differ");
+  if (x.size() != locations.size() || (starts.size() > 1 && starts.size() != x.size()))
+    throw ArgumentError("VolumeLocator: the numbers of locations and points differ");
   const State& state = *state_;
   if (state.volume.lattice) {
     parallel_for(0, x.size(), 1024,
-                 [&](std::size_t i) { locate_in_lattice(*state.volume.lattice, state.tolerance, x[i], places[i]); });
+                 [&](std::size_t i) { locate_in_lattice(*state.volume.lattice, state.tolerance, x[i], locations[i]); });
     return;
   }
   const auto order = locality_order(x);
@@ -278,46 +281,46 @@ void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> place
     std::uint32_t before = starts.empty() ? kNoCell : starts[0];
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = order.empty() ? k : order[k];
-      state.locate(x[i], places[i], starts.size() > 1 ? starts[i] : before, candidates);
+      state.locate(x[i], locations[i], starts.size() > 1 ? starts[i] : before, candidates);
     }
     if (starts.size() == 1 && x.size() <= kGrain) starts[0] = before;
   });
 }
 
-double local_spacing(const SampledVolume& volume, const VolumePlace& place) {
+double local_spacing(const SampledVolume& volume, const CellLocation& location) {
   if (volume.lattice) {
     const Lattice& l = *volume.lattice;
-    const auto at = l.indices(place.cell);
+    const auto at = l.indices(location.cell);
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) sum += l.axes[k][at[k] + 1] - l.axes[k][at[k]];
     return sum / 3;
   }
   double sum = 0;
-  const auto corners = volume.cells[place.cell];
-  const auto edges = cell_edges(volume.cells.shapes[place.cell]);
+  const auto corners = volume.cells[location.cell];
+  const auto edges = cell_edges(volume.cells.shapes[location.cell]);
   for (const auto& edge : edges) sum += norm(volume.corner(corners[edge[0]]) - volume.corner(corners[edge[1]]));
   return sum / static_cast<double>(edges.size());
 }
 
-Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const Vec3& out) {
-  const double length = norm(out), most = local_spacing(volume, place) / 2;
+Vec3 held_outside(const SampledVolume& volume, const CellLocation& location, const Vec3& out) {
+  const double length = norm(out), most = local_spacing(volume, location) / 2;
   if (length <= most) return out;
   return std::isfinite(length) ? out * (most / length) : Vec3{};
 }
 
-void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
+void shape_gradients(const SampledVolume& volume, const CellLocation& location, const Vec3& /*x*/,
                      std::span<Vec3, 8> gradients) {
   std::fill(gradients.begin(), gradients.end(), Vec3{});
-  const CellShape shape = shape_of_cell(volume, place.cell);
-  const std::size_t count = place.corner_count;
-  Vec3 u = parameters_of(shape, place.weights);
+  const CellShape shape = shape_of_cell(volume, location.cell);
+  const std::size_t count = location.corner_count;
+  Vec3 u = parameters_of(shape, location.weights);
   // The tip of a pyramid is singular; points just below it are regular.
   if (shape == CellShape::pyramid) u.z = std::min(u.z, 1 - 1e-6);
   std::array<Vec3, 8> by_parameter;
   shape_derivatives(shape, u, by_parameter);
   if (volume.lattice) {
     const Lattice& l = *volume.lattice;
-    const auto at = l.indices(place.cell);
+    const auto at = l.indices(location.cell);
     double step[3];
     for (std::size_t k = 0; k < 3; ++k) step[k] = l.axes[k][at[k] + 1] - l.axes[k][at[k]];
     for (std::size_t c = 0; c < 8; ++c)
@@ -325,9 +328,9 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
     return;
   }
   std::array<Vec3, 3> j;
-  const Vec3 base = volume.corner(place.corners[0]);
+  const Vec3 base = volume.corner(location.corners[0]);
   for (std::size_t c = 1; c < count; ++c) {
-    const Vec3 edge = volume.corner(place.corners[c]) - base;
+    const Vec3 edge = volume.corner(location.corners[c]) - base;
     for (std::size_t k = 0; k < 3; ++k) j[k] += edge * by_parameter[c][k];
   }
   const Vec3 st = cross(j[1], j[2]);

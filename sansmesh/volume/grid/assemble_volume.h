@@ -5,8 +5,8 @@
 
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -15,7 +15,7 @@ using detail::holds_for_all;
 /// Larger coordinates overflow when squared.
 constexpr double kFarthest = 1e100;
 
-bool is_place(const Vec3& x) {
+bool is_position(const Vec3& x) {
   return std::abs(x.x) <= kFarthest && std::abs(x.y) <= kFarthest && std::abs(x.z) <= kFarthest;
 }
 
@@ -40,7 +40,7 @@ void check_lattice(const Lattice& lattice) {
       demand(std::abs(dot(lattice.directions[k], lattice.directions[m]) - (k == m ? 1 : 0)) <= 1e-4,
              "the directions of its lattice are not orthonormal");
   }
-  demand(is_place(lattice.origin), "the origin of its lattice is invalid");
+  demand(is_position(lattice.origin), "the origin of its lattice is invalid");
 }
 
 void check_cells(const SampledVolume& volume) {
@@ -96,8 +96,8 @@ void check_volume(const SampledVolume& volume) {
   } else {
     const std::size_t n = volume.positions.size();
     demand(n > 0 && n <= std::numeric_limits<std::uint32_t>::max(), "it has an impossible number of samples");
-    demand(holds_for_all(n, [&](std::size_t i) { return is_place(volume.positions[i]); }) &&
-               holds_for_all(volume.corners.size(), [&](std::size_t i) { return is_place(volume.corners[i]); }),
+    demand(holds_for_all(n, [&](std::size_t i) { return is_position(volume.positions[i]); }) &&
+               holds_for_all(volume.corners.size(), [&](std::size_t i) { return is_position(volume.corners[i]); }),
            "a position is invalid");
     check_cells(volume);
     check_stars(volume.stars, n);

@@ -40,7 +40,7 @@ bool is_visible(const GridBlock& b, const std::array<std::size_t, 3>& cell) {
 }
 
 /// The point of a cell at parameters of the unit cube, mapped into the parameters of the shape.
-Vec3 place_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
+Vec3 point_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
   if (shape == CellShape::tetrahedron)
     u = u / std::max(1.0, 1.01 * (u.x + u.y + u.z));
   else if (shape == CellShape::wedge)
@@ -107,7 +107,7 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& g) {
       for (int i = 0; i < 64 && gone[c]; ++i) {
         const int row = i / 4 % 4, layer = i / 16;
         const Vec3 u{0.125 + 0.25 * (i % 4), 0.125 + 0.25 * row, 0.125 + 0.25 * layer};
-        gone[c] = covered(place_in_cell(g.cells.shapes[c], std::span(corners).first(count), u), true);
+        gone[c] = covered(point_in_cell(g.cells.shapes[c], std::span(corners).first(count), u), true);
       }
     }
   });
@@ -168,7 +168,7 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
       for (int i = 0; i < 27 && !back[c]; ++i) {
         constexpr double kAlong[] = {0.01, 0.5, 0.99};
         const Vec3 u{kAlong[i % 3], kAlong[i / 3 % 3], kAlong[i / 9]};
-        const Vec3 x = place_in_cell(cells.shapes[c], std::span(corners).first(count), u);
+        const Vec3 x = point_in_cell(cells.shapes[c], std::span(corners).first(count), u);
         back[c] = finder.smallest(
                       x, [&](std::uint32_t other) { return !gone[other]; }, near) == kNoCell;
       }

@@ -17,7 +17,7 @@ GatheredCells gather_scattered(const GridData& data, const std::vector<std::size
     std::uint16_t block;
   };
   std::vector<Source> sources;
-  std::vector<Vec3> places;
+  std::vector<Vec3> positions;
   Box3 box;
   for (const std::size_t b : order) {
     const GridBlock& block = data.blocks[b];
@@ -28,24 +28,25 @@ GatheredCells gather_scattered(const GridData& data, const std::vector<std::size
       } else if (!block.hidden_points.empty() && block.hidden_points[i]) {
         ++facts.hidden;
       } else {
-        places.push_back(block.points[i]);
+        positions.push_back(block.points[i]);
         sources.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint16_t>(b)});
         box.extend(block.points[i]);
       }
     }
   }
-  if (places.empty()) throw DataError(facts.hidden > 0 ? "all points are hidden" : "no point has finite coordinates");
-  const auto sorted = canonical_point_order(places, [&](std::uint32_t i, std::uint32_t j) {
+  if (positions.empty())
+    throw DataError(facts.hidden > 0 ? "all points are hidden" : "no point has finite coordinates");
+  const auto sorted = canonical_point_order(positions, [&](std::uint32_t i, std::uint32_t j) {
     return digest_of_point(data.blocks[sources[i].block], sources[i].row) <
            digest_of_point(data.blocks[sources[j].block], sources[j].row);
   });
   GatheredCells g;
   for (const std::uint32_t i : sorted) {
-    g.points.push_back(places[i]);
+    g.points.push_back(positions[i]);
     g.point_row.push_back(sources[i].row);
     if (data.blocks.size() > 1) g.point_block.push_back(sources[i].block);
   }
-  places = {}, sources = {};
+  positions = {}, sources = {};
   const double reach = 1e-9 * box.diagonal();
   std::vector<std::uint32_t> distinct(g.points.size());
   std::iota(distinct.begin(), distinct.end(), 0u);

@@ -136,7 +136,7 @@ void turn(CellShape shape, std::span<std::uint32_t> c) {
 
 enum class CellState : std::uint8_t { good, inverted, repeating, flat };
 
-std::array<Vec3, 8> corner_places(const GatheredCells& g, std::span<const std::uint32_t> corners) {
+std::array<Vec3, 8> corner_positions(const GatheredCells& g, std::span<const std::uint32_t> corners) {
   std::array<Vec3, 8> x;
   for (std::size_t c = 0; c < corners.size(); ++c) x[c] = g.points[corners[c]];
   return x;
@@ -147,9 +147,9 @@ CellState state_of(const GatheredCells& g, CellShape shape, std::span<const std:
     if (std::find(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(i), corners[i]) !=
         corners.begin() + static_cast<std::ptrdiff_t>(i))
       return CellState::repeating;
-  const auto x = corner_places(g, corners);
-  const std::span<const Vec3> places = std::span(x).first(corners.size());
-  const double volume = cell_volume(shape, places), edge = std::sqrt(squared_edges(shape, places).longest);
+  const auto x = corner_positions(g, corners);
+  const std::span<const Vec3> positions = std::span(x).first(corners.size());
+  const double volume = cell_volume(shape, positions), edge = std::sqrt(squared_edges(shape, positions).longest);
   // Layers 1e5 times thinner than long in two directions have 1e-10 of the cube of their longest edge.
   if (!(std::abs(volume) > 1e-15 * edge * edge * edge)) return CellState::flat;
   return volume > 0 ? CellState::good : CellState::inverted;

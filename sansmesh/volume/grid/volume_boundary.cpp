@@ -53,9 +53,9 @@ class BoundaryWalk {
 
  private:
   void add(const Patch& patch, int depth, std::vector<Patch>& out, std::vector<std::uint32_t>& scratch) const {
-    constexpr double kPlaces[5][2] = {{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}};
+    constexpr double kParameters[5][2] = {{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}};
     int covered = 0;
-    for (const auto& at : kPlaces) {
+    for (const auto& at : kParameters) {
       const std::uint32_t beyond =
           faces_.beyond(patch.cell, patch.face, patch.r0 + at[0] * patch.size, patch.s0 + at[1] * patch.size, scratch);
       covered += beyond != kNoCell;
@@ -145,22 +145,24 @@ PolylineSet boundary_edges(const SampledVolume& volume) {
   const std::span<const Vec3> points = volume.corners.empty() ? volume.positions : volume.corners;
   lines.origin = volume.bounds().center();
   const BoundaryWalk walk(volume.cells, points);
-  using Place = std::tuple<float, float, float>;
-  std::vector<std::pair<Place, Place>> edges;
+  using Position = std::tuple<float, float, float>;
+  std::vector<std::pair<Position, Position>> edges;
   for (const Patch& patch : walk.open_patches()) {
     const auto ring = walk.ring(patch);
     for (std::size_t k = 0; k < ring.size(); ++k) {
-      const auto place = [&](std::size_t at) {
+      const auto position = [&](std::size_t at) {
         const Vec3f x(ring[at] - lines.origin);
-        return Place{x.x, x.y, x.z};
+        return Position{x.x, x.y, x.z};
       };
-      const std::pair<Place, Place> ends = std::minmax({place(k), place((k + 1) % ring.size())});
+      const std::pair<Position, Position> ends = std::minmax({position(k), position((k + 1) % ring.size())});
       if (ends.first != ends.second) edges.emplace_back(ends.first, ends.second);
     }
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  const auto at = [&](const Place& p) { return lines.origin + Vec3(std::get<0>(p), std::get<1>(p), std::get<2>(p)); };
+  const auto at = [&](const Position& p) {
+    return lines.origin + Vec3(std::get<0>(p), std::get<1>(p), std::get<2>(p));
+  };
   for (const auto& [from, to] : edges) add_line(lines, {at(from), at(to)});
   return lines;
 }
@@ -173,7 +175,7 @@ TriangleMesh volume_boundary(const SampledVolume& volume) {
   mesh.origin = volume.bounds().center();
   const BoundaryWalk walk(volume.cells, points);
   std::vector<std::uint32_t> of_corner(points.size(), kNoCell);
-  std::map<std::tuple<float, float, float>, std::uint32_t> of_place;  // unnumbered corners of parts of faces
+  std::map<std::tuple<float, float, float>, std::uint32_t> of_position;  // unnumbered corners of parts of faces
   const auto vertex = [&](const Vec3& x) {
     mesh.vertices.push_back(Vec3f(x - mesh.origin));
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
@@ -190,11 +192,11 @@ TriangleMesh volume_boundary(const SampledVolume& volume) {
         ring[k] = of_corner[c];
       }
     } else {
-      const auto places = walk.ring(patch);
+      const auto corners = walk.ring(patch);
       for (std::size_t k = 0; k < 4; ++k) {
-        const Vec3f at(places[k] - mesh.origin);
-        const auto [it, fresh] = of_place.try_emplace({at.x, at.y, at.z}, 0);
-        if (fresh) it->second = vertex(places[k]);
+        const Vec3f at(corners[k] - mesh.origin);
+        const auto [it, fresh] = of_position.try_emplace({at.x, at.y, at.z}, 0);
+        if (fresh) it->second = vertex(corners[k]);
         ring[k] = it->second;
       }
     }

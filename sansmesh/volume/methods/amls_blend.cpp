@@ -118,8 +118,8 @@ class AmlsBlend final : public GroupedField {
   }
   bool goes_on_straight() const override { return true; }
 
-  const Ready& ready(const VolumePlace& place, Desk& desk) const {
-    const std::size_t cell = place.cell;
+  const Ready& ready(const CellLocation& location, Desk& desk) const {
+    const std::size_t cell = location.cell;
     Ready& r = desk.ready[(cell * 0x9e3779b97f4a7c15ULL >> 40) % Desk::kReady];
     if (r.cell == cell) return r;
     std::span<const std::uint32_t> supports;
@@ -127,7 +127,7 @@ class AmlsBlend final : public GroupedField {
       supports = {kept + 2, kept[0]};
       r.own = kept[1];
     } else {
-      nearest_first(index_.of_cell(place, desk.found), desk);
+      nearest_first(index_.of_cell(location, desk.found), desk);
       supports = desk.found.supports;
       r.own = desk.found.own;
       kept_.keep(cell, r.own, supports);
@@ -180,7 +180,7 @@ class AmlsBlend final : public GroupedField {
     }
   }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     Desk& desk = *static_cast<Borrowed&>(memory).desk;
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();
@@ -214,7 +214,7 @@ class AmlsBlend final : public GroupedField {
             g[k] = static_cast<double>((s.value_slope[k] - quotient * slope) / divisor);
           }
         }
-        if (linear) share(*group.places[i], group.x[i], m, base, value, gradient ? &g : nullptr);
+        if (linear) share(*group.locations[i], group.x[i], m, base, value, gradient ? &g : nullptr);
         const std::size_t to = group.to[i] * c + m;
         if (!wanted.values.empty()) wanted.values[to] = base + value;
         if (gradient) wanted.gradients[to] = g;
@@ -223,23 +223,24 @@ class AmlsBlend final : public GroupedField {
   }
 
   // T value + (1 − T) L, and its gradient.
-  void share(const VolumePlace& place, const Vec3& x, std::size_t m, double base, double& value, Vec3* gradient) const {
+  void share(const CellLocation& location, const Vec3& x, std::size_t m, double base, double& value,
+             Vec3* gradient) const {
     const std::size_t c = components();
     double trust = 0, line = 0;
-    for (std::size_t v = 0; v < place.corner_count; ++v) {
-      const std::size_t i = place.corners[v];
-      trust += place.weights[v] * static_cast<double>(polynomials_.trust[i]);
-      line += place.weights[v] * (values_.values[i * c + m] - base);
+    for (std::size_t v = 0; v < location.corner_count; ++v) {
+      const std::size_t i = location.corners[v];
+      trust += location.weights[v] * static_cast<double>(polynomials_.trust[i]);
+      line += location.weights[v] * (values_.values[i * c + m] - base);
     }
     const bool all = trust >= 1, none = trust <= 0;
     if (all) return;
     if (none) trust = 0;
     if (gradient) {
       std::array<Vec3, 8> slopes;
-      shape_gradients(volume(), place, x, slopes);
+      shape_gradients(volume(), location, x, slopes);
       Vec3 line_slope, trust_slope;
-      for (std::size_t v = 0; v < place.corner_count; ++v) {
-        const std::size_t i = place.corners[v];
+      for (std::size_t v = 0; v < location.corner_count; ++v) {
+        const std::size_t i = location.corners[v];
         line_slope += slopes[v] * (values_.values[i * c + m] - base);
         trust_slope += slopes[v] * static_cast<double>(polynomials_.trust[i]);
       }

@@ -30,7 +30,7 @@ constexpr double kCovered = 0.8;  // t of a support up to which a point counts a
 constexpr std::uint32_t kElsewhere = 0xffffffffu;
 
 // Hash of a position, independent of the order of samples.
-std::uint64_t place_hash(const Vec3& x) {
+std::uint64_t position_hash(const Vec3& x) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
   for (std::size_t k = 0; k < 3; ++k) {
     h = mixed_bits(h ^ std::bit_cast<std::uint64_t>(x[k] + 0.0));
@@ -66,7 +66,7 @@ void grow_patches(const SampledVolume& whole, std::vector<std::uint32_t>& sample
   using Seed = std::pair<std::uint64_t, std::uint32_t>;
   std::vector<Seed> seeds(n);
   parallel_for(0, n, 8192, [&](std::size_t i) {
-    seeds[i] = {place_hash(whole.position(i)), static_cast<std::uint32_t>(i)};
+    seeds[i] = {position_hash(whole.position(i)), static_cast<std::uint32_t>(i)};
   });
   std::partial_sort(seeds.begin(), seeds.begin() + static_cast<std::ptrdiff_t>(4 * kPatches), seeds.end());
   std::vector<std::uint8_t> taken(n);
@@ -151,7 +151,7 @@ TestVolume test_volume(const SampledVolume& whole, std::span<const std::uint32_t
   for (std::size_t i = 0; i < n; ++i) {
     test.local_of[test.samples[i]] = static_cast<std::uint32_t>(i);
     part.positions.push_back(whole.position(test.samples[i]));
-    test.left_out[i] = place_hash(part.positions[i]) % kOneIn == 0 || is_made_up(i);
+    test.left_out[i] = position_hash(part.positions[i]) % kOneIn == 0 || is_made_up(i);
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (test.left_out[i] == 0) {
@@ -191,7 +191,7 @@ AmlsReach reach_of(const SampledVolume& whole, const TestVolume& test, const Loc
         const Vec3 x = volume.positions[i];
         found.supports.clear();
         if (asked[i] != 0 && test.left_out[i] != 0)
-          index.of_place(x, test.known_around(whole, i), found);
+          index.of_point(x, test.known_around(whole, i), found);
         else if (asked[i] != 0)
           index.of_sample(static_cast<std::uint32_t>(i), found);
         for (const std::uint32_t j : found.supports) {
@@ -220,12 +220,12 @@ AmlsMatrix narrowed(const AmlsReach& reach, std::span<const float> radii, std::s
   const std::size_t n = reach.first.size() - 1;
   AmlsMatrix matrix;
   std::vector<std::uint32_t> counts(n);
-  const auto place = [&](std::uint64_t e) {
+  const auto relative_square = [&](std::uint64_t e) {
     const double radius = static_cast<double>(radii[reach.columns[e]]);
     return static_cast<double>(reach.squares[e]) / (radius * radius);
   };
   parallel_for(0, n, 1024, [&](std::size_t i) {
-    for (std::uint64_t e = reach.first[i]; e < reach.first[i + 1]; ++e) counts[i] += place(e) < 1;
+    for (std::uint64_t e = reach.first[i]; e < reach.first[i + 1]; ++e) counts[i] += relative_square(e) < 1;
   });
   for (const std::uint32_t count : counts) matrix.first.push_back(matrix.first.back() + count);
   matrix.columns.resize(matrix.first.back()), matrix.shares.resize(matrix.first.back());
@@ -237,7 +237,7 @@ AmlsMatrix narrowed(const AmlsReach& reach, std::span<const float> radii, std::s
       phis.clear();
       std::uint64_t to = matrix.first[i];
       for (std::uint64_t e = reach.first[i]; e < reach.first[i + 1]; ++e) {
-        const double t = place(e);
+        const double t = relative_square(e);
         if (!(t < 1)) continue;
         const double w = shape.weight(t), phi = w * shape.laguerre(t);
         weights += w, sizes += std::abs(phi);

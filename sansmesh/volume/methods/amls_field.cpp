@@ -77,7 +77,7 @@ static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   if (fitted.empty()) fitted = fit_amls(input, phi, choice);
   for (const std::uint8_t degree : fitted.polynomials.degrees)
     if (degree > 2) throw DataError("polynomials of amls are of degree 2 at most");
-  ReconstructionOptions& chosen = input.report.options;
+  VolumeReconstructionOptions& chosen = input.report.options;
   chosen.order = order, chosen.epsilon = choice.shape, chosen.iterations = choice.iterations;
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
   return make_amls_blend(std::move(input.volume), std::move(locator), fitted.polynomials, fitted.radii,

@@ -22,9 +22,9 @@ namespace {
 /// Evaluates one tetrahedron from values and gradients at its corners, barycentric coordinates and their gradients
 /// (`gradient` null: not requested).
 double bernstein_cubic(std::span<const Vec3, 4> corners, std::span<const double, 4> values,
-                       std::span<const Vec3, 4> slopes, std::span<const double, 4> place,
-                       std::span<const Vec3, 4> place_gradients, Vec3* gradient) {
-  const auto& l = place;
+                       std::span<const Vec3, 4> slopes, std::span<const double, 4> barycentric,
+                       std::span<const Vec3, 4> barycentric_gradients, Vec3* gradient) {
+  const auto& l = barycentric;
   double value = 0;
   std::array<double, 4> by{};  // derivatives by the barycentric coordinates
   double edge[4][4] = {};      // edge[i][j]: control value on the edge from i to j, next to i
@@ -50,7 +50,7 @@ double bernstein_cubic(std::span<const Vec3, 4> corners, std::span<const double,
   }
   if (gradient) {
     *gradient = {};
-    for (std::size_t i = 0; i < 4; ++i) *gradient += place_gradients[i] * by[i];
+    for (std::size_t i = 0; i < 4; ++i) *gradient += barycentric_gradients[i] * by[i];
   }
   return value;
 }
@@ -66,23 +66,24 @@ class BernsteinTetrahedra final : public PointwiseField {
       : PointwiseField(std::move(tetrahedra), std::move(values)), slopes_(std::move(slopes)) {}
 
  protected:
-  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
-    std::array<Vec3, 4> corners, slopes, place_gradients{};
+  void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const override {
+    std::array<Vec3, 4> corners, slopes, barycentric_gradients{};
     std::array<double, 4> f, weights;
     std::array<Vec3, 8> shape{};
-    if (gradients) shape_gradients(volume(), place, x, shape);
+    if (gradients) shape_gradients(volume(), location, x, shape);
     for (std::size_t k = 0; k < 4; ++k) {
-      corners[k] = volume().positions[place.corners[k]];
-      weights[k] = place.weights[k];
-      place_gradients[k] = shape[k];
+      corners[k] = volume().positions[location.corners[k]];
+      weights[k] = location.weights[k];
+      barycentric_gradients[k] = shape[k];
     }
     const std::size_t n = components();
     for (std::size_t c = 0; c < n; ++c) {
       for (std::size_t k = 0; k < 4; ++k) {
-        f[k] = samples().values[place.corners[k] * n + c];
-        slopes[k] = slopes_[place.corners[k] * n + c];
+        f[k] = samples().values[location.corners[k] * n + c];
+        slopes[k] = slopes_[location.corners[k] * n + c];
       }
-      values[c] = bernstein_cubic(corners, f, slopes, weights, place_gradients, gradients ? gradients + c : nullptr);
+      values[c] =
+          bernstein_cubic(corners, f, slopes, weights, barycentric_gradients, gradients ? gradients + c : nullptr);
     }
   }
 
@@ -100,7 +101,7 @@ class BernsteinLattice final : public PointwiseField {
   }
 
  protected:
-  void answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
+  void evaluate_at(const Vec3& x, const CellLocation& /*location*/, double* values, Vec3* gradients) const override {
     const Lattice& lattice = *volume().lattice;
     const Vec3 a = lattice.to_axes(x);
     std::array<std::size_t, 3> at, order{0, 1, 2};
@@ -115,18 +116,18 @@ class BernsteinLattice final : public PointwiseField {
     std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return u[i] != u[j] ? u[i] > u[j] : i < j; });
     std::array<std::array<std::size_t, 3>, 4> corner;
-    std::array<Vec3, 4> corners, slopes, place_gradients{};
+    std::array<Vec3, 4> corners, slopes, barycentric_gradients{};
     std::array<double, 4> f, weights;
     corner[0] = at;
     weights[0] = 1 - u[order[0]];
-    place_gradients[0][order[0]] = -1 / h[order[0]];
+    barycentric_gradients[0][order[0]] = -1 / h[order[0]];
     for (std::size_t k = 1; k < 4; ++k) {
       const std::size_t along = order[k - 1];
       corner[k] = corner[k - 1];
       ++corner[k][along];
       weights[k] = u[along] - (k < 3 ? u[order[k]] : 0);
-      place_gradients[k][along] = 1 / h[along];
-      if (k < 3) place_gradients[k][order[k]] = -1 / h[order[k]];
+      barycentric_gradients[k][along] = 1 / h[along];
+      if (k < 3) barycentric_gradients[k][order[k]] = -1 / h[order[k]];
     }
     for (std::size_t k = 0; k < 4; ++k)
       for (std::size_t d = 0; d < 3; ++d) corners[k][d] = lattice.axes[d][corner[k][d]];
@@ -140,7 +141,7 @@ class BernsteinLattice final : public PointwiseField {
         for (std::size_t d = 0; d < 3; ++d) slopes[k][d] = slope(axes_[d], corner[k][d], here, step[d]);
       }
       Vec3 gradient;
-      values[c] = bernstein_cubic(corners, f, slopes, weights, place_gradients, gradients ? &gradient : nullptr);
+      values[c] = bernstein_cubic(corners, f, slopes, weights, barycentric_gradients, gradients ? &gradient : nullptr);
       if (gradients)
         gradients[c] = lattice.directions[0] * gradient.x + lattice.directions[1] * gradient.y +
                        lattice.directions[2] * gradient.z;

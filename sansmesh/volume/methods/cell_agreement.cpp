@@ -94,16 +94,16 @@ void CellAgreement::ask_corners(const VolumeValues& values, const Polynomials& p
 CellAgreement::Share CellAgreement::of(std::size_t sample) const {
   Share sum;
   if (shares_.empty() || cells_[sample].empty()) return sum;
-  double places = 0;
+  double count = 0;
   for (const std::uint32_t cell : cells_[sample]) {
     const auto corners = volume_->cells[cell];
     const Share* shares = shares_.data() + volume_->cells.first[cell];
     for (std::size_t v = 0; v < corners.size(); ++v) {
       if (volume_->cell_sample.empty() && corners[v] != sample) continue;
-      sum.gain += shares[v].gain, sum.doubt += shares[v].doubt, places += 1;
+      sum.gain += shares[v].gain, sum.doubt += shares[v].doubt, count += 1;
     }
   }
-  return {sum.gain / places, sum.doubt / places};
+  return {sum.gain / count, sum.doubt / count};
 }
 
 }  // namespace sansmesh::inline v1

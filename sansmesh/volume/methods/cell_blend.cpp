@@ -28,7 +28,7 @@ class CellBlend final : public GroupedField {
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Tile>(); }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(CellTile::kTile == kMostPoints);
     CellTile& tile = static_cast<Tile&>(memory).tile;
     const std::size_t n = group.size, c = components(), count = group.cell.corner_count;
@@ -44,16 +44,16 @@ class CellBlend final : public GroupedField {
     const std::size_t filled = (n + kRow - 1) / kRow * kRow;
     for (std::size_t i = 0; i < filled; ++i) {
       const std::size_t p = std::min(i, n - 1);
-      const VolumePlace& place = *group.places[p];
+      const CellLocation& location = *group.locations[p];
       const Vec3 at = group.x[p] + held(group.out[p], corners[0].metric);
       for (std::size_t v = 0; v < count; ++v) {
         const Vec3 d = at - positions[v];
-        tile.weights[v][i] = static_cast<float>(place.weights[v]);
+        tile.weights[v][i] = static_cast<float>(location.weights[v]);
         for (std::size_t k = 0; k < 3; ++k) tile.offsets[v][k][i] = static_cast<float>(d[k]);
       }
       if (!gradient) continue;
       std::array<Vec3, 8> slopes;
-      shape_gradients(volume(), place, at, slopes);
+      shape_gradients(volume(), location, at, slopes);
       for (std::size_t v = 0; v < count; ++v)
         for (std::size_t k = 0; k < 3; ++k) tile.slopes[v][k][i] = static_cast<float>(slopes[v][k]);
     }

@@ -66,10 +66,10 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   at_corners_.resize(corners * n);
   parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> samples;
-    std::vector<Vec3> places;
+    std::vector<Vec3> locations;
     std::vector<double> weights;
     for (std::size_t p = first; p < last; ++p) {
-      samples.clear(), places.clear();
+      samples.clear(), locations.clear();
       for (const std::uint32_t c : around[p]) samples.push_back(volume.cell_sample[c]);
       unique(samples);
       // A corner of the volume may have a single cell: rings are added until a plane is well determined.
@@ -82,8 +82,8 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
       }
       if (samples.empty()) continue;
       const Vec3 at = volume.corners[p];
-      for (const std::uint32_t s : samples) places.push_back(volume.positions[s] - at);
-      plane_weights(places, {}, weights);
+      for (const std::uint32_t s : samples) locations.push_back(volume.positions[s] - at);
+      plane_weights(locations, {}, weights);
       for (std::size_t k = 0; k < n; ++k) {
         double sum = 0, least = std::numeric_limits<double>::max(), most = std::numeric_limits<double>::lowest();
         for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -98,12 +98,12 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   });
 }
 
-void CellInterpolant::evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values,
+void CellInterpolant::evaluate(const CellLocation& location, const Vec3& x, std::span<double> values,
                                std::span<Vec3> gradients) const {
-  const std::uint32_t sample = volume_.cell_sample[place.cell];
+  const std::uint32_t sample = volume_.cell_sample[location.cell];
   const Vec3 tip = volume_.positions[sample], d = x - tip;
-  const auto corners = volume_.cells[place.cell];
-  const auto faces = cell_faces(volume_.cells.shapes[place.cell]);
+  const auto corners = volume_.cells[location.cell];
+  const auto faces = cell_faces(volume_.cells.shapes[location.cell]);
   // The tetrahedron that contains x, or the one with the smallest violation.
   double best = -std::numeric_limits<double>::infinity();
   Vec3 share;  // weights of the face centre or third corner, of the first and of the second corner

@@ -22,7 +22,7 @@ class CellInterpolant {
   CellInterpolant(const SampledVolume& volume, const VolumeValues& values);
 
   /// At x in (or near) the located cell; values and gradients (if requested) have one entry per component.
-  void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const;
+  void evaluate(const CellLocation& location, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const;
 
   /// The value at a cell corner, and whether the corner is on the surface of the volume, where values extrapolate.
   double at_corner(std::size_t corner, std::size_t component) const {

@@ -17,8 +17,8 @@ class DegreeField {
   virtual void degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const = 0;
 };
 
-/// VolumeAnswers with the degrees, one per point.
-struct PolynomialAnswers {
+/// VolumeFieldValues with the degrees, one per point.
+struct PolynomialValues {
   std::span<double> values;
   std::span<Vec3> gradients;
   std::span<std::uint8_t> inside, degrees;

@@ -50,7 +50,7 @@ class StoredCornerPolynomials final : public CornerPolynomials {
 
 static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   LocalPolynomialOptions local;
-  ReconstructionOptions& chosen = input.report.options;
+  VolumeReconstructionOptions& chosen = input.report.options;
   local.fit.max_degree = input.options.degree.value_or(3);
   local.fit.robust = input.options.robust.value_or(true);
   chosen.degree = local.fit.max_degree;

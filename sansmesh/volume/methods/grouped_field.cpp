@@ -22,16 +22,16 @@ constexpr std::uint64_t kOutside = 1u << 31;
 struct GroupedField::Block {
   std::vector<Vec3> x;
   std::vector<std::uint32_t> at;
-  std::vector<VolumePlace> places;
+  std::vector<CellLocation> locations;
   std::vector<std::uint64_t> keys;
   std::unique_ptr<Memory> memory;
-  // Answers of a group outside the volume.
+  // Results of a group outside the volume.
   std::vector<double> values;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> degrees;
 };
 
-void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void GroupedField::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   evaluate_all(x, {wanted.values, wanted.gradients, wanted.inside, {}});
 }
 
@@ -39,9 +39,9 @@ void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> foun
   evaluate_all(x, {{}, {}, {}, found});
 }
 
-void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
+void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const {
   const std::size_t n = x.size(), c = components_;
-  if (!detail::answers_fit({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
+  if (!detail::sizes_agree({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
       (!wanted.degrees.empty() && wanted.degrees.size() != n))
     throw ArgumentError("VolumeField: the numbers of answers and points differ");
   const auto order = locality_order(x);
@@ -55,24 +55,25 @@ void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers
 
 void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
   if (found.size() != x.size()) throw ArgumentError("VolumeField: the numbers of spacings and points differ");
-  std::vector<VolumePlace> places(x.size());
-  locator_->locate(x, places);
-  parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });
+  std::vector<CellLocation> locations(x.size());
+  locator_->locate(x, locations);
+  parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, locations[i]); });
 }
 
 void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
-                                  std::size_t last, const PolynomialAnswers& wanted, Block& s) const {
+                                  std::size_t last, const PolynomialValues& wanted, Block& s) const {
   const std::size_t m = last - first;
-  s.x.resize(m), s.at.resize(m), s.places.resize(m), s.keys.clear();
+  s.x.resize(m), s.at.resize(m), s.locations.resize(m), s.keys.clear();
   for (std::size_t i = 0; i < m; ++i) {
     s.at[i] = order.empty() ? static_cast<std::uint32_t>(first + i) : order[first + i];
     s.x[i] = x[s.at[i]];
   }
-  locator_->locate(s.x, s.places);
+  locator_->locate(s.x, s.locations);
   for (std::size_t i = 0; i < m; ++i) {
-    if (!wanted.inside.empty()) wanted.inside[s.at[i]] = s.places[i].inside;
+    if (!wanted.inside.empty()) wanted.inside[s.at[i]] = s.locations[i].inside;
     if (is_finite(s.x[i])) {
-      s.keys.push_back(static_cast<std::uint64_t>(s.places[i].cell) << 32 | (s.places[i].inside ? 0 : kOutside) | i);
+      s.keys.push_back(static_cast<std::uint64_t>(s.locations[i].cell) << 32 | (s.locations[i].inside ? 0 : kOutside) |
+                       i);
       continue;
     }
     for (std::size_t k = 0; k < components_; ++k) {
@@ -85,37 +86,37 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
   std::sort(s.keys.begin(), s.keys.end());
   for (std::size_t i = 0; i < s.keys.size();) {
     const auto number = [&] { return static_cast<std::size_t>(s.keys[i] & (kOutside - 1)); };
-    Group group{s.places[number()], 0, {}, {}, {}, {}};
+    Group group{s.locations[number()], 0, {}, {}, {}, {}};
     const std::uint64_t side = s.keys[i] / kOutside;  // cell, inside or outside
     for (; i < s.keys.size() && s.keys[i] / kOutside == side && group.size < kMostPoints; ++i, ++group.size) {
       const std::size_t p = number();
-      const VolumePlace& place = s.places[p];
-      group.places[group.size] = &place;
+      const CellLocation& location = s.locations[p];
+      group.locations[group.size] = &location;
       group.to[group.size] = s.at[p];
       group.x[group.size] = s.x[p];
       group.out[group.size] = {};
-      if (place.inside) continue;
+      if (location.inside) continue;
       Vec3 near;
-      for (std::size_t v = 0; v < place.corner_count; ++v)
-        near += corner_position(*volume_, place.corners[v]) * place.weights[v];
+      for (std::size_t v = 0; v < location.corner_count; ++v)
+        near += corner_position(*volume_, location.corners[v]) * location.weights[v];
       group.x[group.size] = near;
       group.out[group.size] = s.x[p] - near;
     }
     if (side % 2 != 0 && goes_on_straight())
-      answer_outside(group, wanted, s);
+      evaluate_outside(group, wanted, s);
     else
-      answer(group, *s.memory, wanted);
+      evaluate_group(group, *s.memory, wanted);
   }
 }
 
-void GroupedField::answer_outside(Group& group, const PolynomialAnswers& wanted, Block& s) const {
+void GroupedField::evaluate_outside(Group& group, const PolynomialValues& wanted, Block& s) const {
   const std::size_t n = group.size, c = components_;
   const auto to = group.to;
   std::iota(group.to.begin(), group.to.end(), 0u);
   s.values.resize(n * c), s.gradients.resize(n * c), s.degrees.resize(wanted.degrees.empty() ? 0 : n);
-  answer(group, *s.memory, {s.values, s.gradients, {}, s.degrees});
+  evaluate_group(group, *s.memory, {s.values, s.gradients, {}, s.degrees});
   for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 beyond = held_outside(*volume_, *group.places[i], group.out[i]);
+    const Vec3 beyond = held_outside(*volume_, *group.locations[i], group.out[i]);
     for (std::size_t k = 0; k < c; ++k) {
       const Vec3& gradient = s.gradients[i * c + k];
       if (!wanted.values.empty()) wanted.values[to[i] * c + k] = s.values[i * c + k] + dot(gradient, beyond);

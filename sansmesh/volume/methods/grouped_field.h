@@ -1,4 +1,4 @@
-// Base class of fields that answer all points of a cell together.
+// Base class of fields that evaluate all points of a cell together.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class GroupedField : public VolumeField, public DegreeField {
 
   Box3 bounds() const override { return volume_->bounds(); }
   std::size_t components() const override { return components_; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const final;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const final;
   void degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const final;
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
@@ -36,29 +36,29 @@ class GroupedField : public VolumeField, public DegreeField {
   };
   /// Points of one cell. A point outside the volume is replaced by its nearest point in it; `out` is the difference.
   struct Group {
-    const VolumePlace& cell;  ///< location of the first point
+    const CellLocation& cell;  ///< location of the first point
     std::size_t size = 0;
-    std::array<const VolumePlace*, kMostPoints> places;
+    std::array<const CellLocation*, kMostPoints> locations;
     std::array<Vec3, kMostPoints> x, out;
-    std::array<std::uint32_t, kMostPoints> to;  ///< indices of the points in the answers
+    std::array<std::uint32_t, kMostPoints> to;  ///< indices of the points in the results
   };
 
   virtual std::unique_ptr<Memory> memory() const = 0;
-  /// Writes the requested values, gradients and degrees. The answer at a point must not depend on the other points.
-  virtual void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const = 0;
+  /// Writes the requested values, gradients and degrees. The result at a point must not depend on the other points.
+  virtual void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const = 0;
 
-  /// Whether values outside continue linearly from the nearest points (held_outside); answer() then evaluates those.
-  /// Otherwise answer() uses `out` itself.
+  /// Whether values outside continue linearly from the nearest points (held_outside); evaluate_group() then evaluates
+  /// those. Otherwise evaluate_group() uses `out` itself.
   virtual bool goes_on_straight() const { return false; }
 
   const SampledVolume& volume() const { return *volume_; }
 
  private:
   struct Block;
-  void evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const;
-  void answer_outside(Group& group, const PolynomialAnswers& wanted, Block& block) const;
+  void evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const;
+  void evaluate_outside(Group& group, const PolynomialValues& wanted, Block& block) const;
   void evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
-                      std::size_t last, const PolynomialAnswers& wanted, Block& block) const;
+                      std::size_t last, const PolynomialValues& wanted, Block& block) const;
 
   std::shared_ptr<const SampledVolume> volume_;
   std::shared_ptr<const VolumeLocator> locator_;

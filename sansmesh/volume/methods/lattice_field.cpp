@@ -56,7 +56,7 @@ class LatticeField final : public PointwiseField {
   LatticeField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, std::array<Axis, 3> axes)
       : PointwiseField(std::move(sampled), std::move(values)), axes_(std::move(axes)) {}
 
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     if (components() != 1 || wanted.values.size() != x.size() ||
         (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) || !wanted.inside.empty())
       return PointwiseField::evaluate(x, wanted);
@@ -91,7 +91,7 @@ class LatticeField final : public PointwiseField {
   }
 
  protected:
-  void answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
+  void evaluate_at(const Vec3& x, const CellLocation& /*location*/, double* values, Vec3* gradients) const override {
     at_axes(volume().lattice->to_axes(x), values, gradients);
   }
 

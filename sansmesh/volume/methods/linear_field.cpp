@@ -28,9 +28,9 @@ class LinearField final : public detail::LocatedField {
     if (volume().in_cells && !volume().lattice) between_cells_.emplace(volume(), samples());
   }
 
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     const std::size_t n = components();
-    const bool lattice = volume().lattice && detail::answers_fit(wanted, x.size(), n);
+    const bool lattice = volume().lattice && detail::sizes_agree(wanted, x.size(), n);
     if (lattice && n == 1) return in_lattice<1>(x, wanted);
     if (lattice && n == 2) return in_lattice<2>(x, wanted);
     if (lattice && n == 3) return in_lattice<3>(x, wanted);
@@ -40,7 +40,7 @@ class LinearField final : public detail::LocatedField {
  private:
   /// Fast path for lattices with few components.
   template <std::size_t N>
-  void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  void in_lattice(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
     const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
@@ -56,7 +56,7 @@ class LinearField final : public detail::LocatedField {
     });
   }
 
-  /// Values at x, gradients if `wanted`; returns whether x is inside. Outside as answer_at().
+  /// Values at x, gradients if `wanted`; returns whether x is inside. Outside as evaluate_point().
   template <std::size_t N>
   bool at_lattice(const Vec3& x, double slack, double* values, Vec3* gradients, bool wanted) const {
     if (!is_finite(x)) {
@@ -109,26 +109,27 @@ class LinearField final : public detail::LocatedField {
     return false;
   }
 
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
-    if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
+  void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                      const VolumeFieldValues& wanted) const override {
+    if (!wanted.inside.empty()) wanted.inside[i] = location.inside;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
-    if (place.inside && !between_cells_ && !wanted.values.empty() && n == 3) return three_at(i, x, place, wanted);
-    if (place.inside && wanted.gradients.empty() && !between_cells_) {
+    if (location.inside && !between_cells_ && !wanted.values.empty() && n == 3) return three_at(i, x, location, wanted);
+    if (location.inside && wanted.gradients.empty() && !between_cells_) {
       double* const v = wanted.values.data() + i * n;
       std::fill_n(v, n, 0.0);
-      for (std::size_t c = 0; c < place.corner_count; ++c) {
-        const double* const of = samples().values.data() + place.corners[c] * n;
-        for (std::size_t k = 0; k < n; ++k) v[k] += place.weights[c] * of[k];
+      for (std::size_t c = 0; c < location.corner_count; ++c) {
+        const double* const of = samples().values.data() + location.corners[c] * n;
+        for (std::size_t k = 0; k < n; ++k) v[k] += location.weights[c] * of[k];
       }
       return;
     }
     // Outside, the function continues a little from the nearest point.
     Vec3 beyond, at = x;
-    if (!place.inside) {
-      at = position_of(place);
+    if (!location.inside) {
+      at = position_of(location);
       beyond = x - at;
-      const double length = norm(beyond), most = shortest_edge(place) / 2;
+      const double length = norm(beyond), most = shortest_edge(location) / 2;
       if (length > most) beyond *= std::isfinite(length) ? most / length : 0;
     }
     const std::span<double> values = wanted.values.empty() ? std::span<double>() : wanted.values.subspan(i * n, n);
@@ -142,59 +143,59 @@ class LinearField final : public detail::LocatedField {
     std::span<Vec3> g = gradients;
     if (n <= kSome) {
       if (v.empty()) v = std::span(value_store).first(n);
-      if (g.empty() && !place.inside) g = std::span(slope_store).first(n);
+      if (g.empty() && !location.inside) g = std::span(slope_store).first(n);
     } else {
       if (v.empty()) v = more_values = std::vector<double>(n);
-      if (g.empty() && !place.inside) g = more_slopes = std::vector<Vec3>(n);
+      if (g.empty() && !location.inside) g = more_slopes = std::vector<Vec3>(n);
     }
     if (between_cells_) {
-      between_cells_->evaluate(place, at, v, g);
+      between_cells_->evaluate(location, at, v, g);
     } else {
       std::fill(v.begin(), v.end(), 0.0);
-      for (std::size_t c = 0; c < place.corner_count; ++c) {
-        const auto of = samples().of(place.corners[c]);
-        for (std::size_t k = 0; k < n; ++k) v[k] += place.weights[c] * of[k];
+      for (std::size_t c = 0; c < location.corner_count; ++c) {
+        const auto of = samples().of(location.corners[c]);
+        for (std::size_t k = 0; k < n; ++k) v[k] += location.weights[c] * of[k];
       }
       if (!g.empty()) {
         std::array<Vec3, 8> slopes;
-        shape_gradients(volume(), place, x, slopes);
+        shape_gradients(volume(), location, x, slopes);
         std::fill(g.begin(), g.end(), Vec3{});
-        for (std::size_t c = 0; c < place.corner_count; ++c) {
-          const auto of = samples().of(place.corners[c]);
+        for (std::size_t c = 0; c < location.corner_count; ++c) {
+          const auto of = samples().of(location.corners[c]);
           for (std::size_t k = 0; k < n; ++k) g[k] += slopes[c] * of[k];
         }
       }
     }
-    if (!place.inside)
+    if (!location.inside)
       for (std::size_t k = 0; k < n; ++k)
         if (const double more = dot(g[k], beyond); std::isfinite(more)) v[k] += more;
   }
 
   /// Fast path for vectors inside, as used by particles.
-  void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const {
+  void three_at(std::size_t i, const Vec3& x, const CellLocation& location, const VolumeFieldValues& wanted) const {
     const double* const all = samples().values.data();
     std::array<Vec3, 8> of;
     Vec3 sum;
-    for (std::size_t c = 0; c < place.corner_count; ++c) {
-      const double* const f = all + std::size_t{3} * place.corners[c];
+    for (std::size_t c = 0; c < location.corner_count; ++c) {
+      const double* const f = all + std::size_t{3} * location.corners[c];
       of[c] = {f[0], f[1], f[2]};
-      sum += of[c] * place.weights[c];
+      sum += of[c] * location.weights[c];
     }
     double* const v = wanted.values.data() + 3 * i;
     v[0] = sum.x, v[1] = sum.y, v[2] = sum.z;
     if (wanted.gradients.empty()) return;
     std::array<Vec3, 8> slopes;
-    shape_gradients(volume(), place, x, slopes);
+    shape_gradients(volume(), location, x, slopes);
     std::array<Vec3, 3> g{};
-    for (std::size_t c = 0; c < place.corner_count; ++c)
+    for (std::size_t c = 0; c < location.corner_count; ++c)
       for (std::size_t k = 0; k < 3; ++k) g[k] += slopes[c] * of[c][k];
     std::copy(g.begin(), g.end(), wanted.gradients.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
-  double shortest_edge(const VolumePlace& place) const {
+  double shortest_edge(const CellLocation& location) const {
     double least = std::numeric_limits<double>::infinity();
-    const auto corner = [&](std::size_t c) { return corner_position(volume(), place.corners[c]); };
-    for (const auto& edge : cell_edges(shape_of_cell(volume(), place.cell)))
+    const auto corner = [&](std::size_t c) { return corner_position(volume(), location.corners[c]); };
+    for (const auto& edge : cell_edges(shape_of_cell(volume(), location.cell)))
       least = std::min(least, squared_norm(corner(edge[0]) - corner(edge[1])));
     return std::sqrt(least);
   }
@@ -212,22 +213,23 @@ class NearestField final : public detail::LocatedField {
   }
 
  private:
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
-    if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
+  void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                      const VolumeFieldValues& wanted) const override {
+    if (!wanted.inside.empty()) wanted.inside[i] = location.inside;
     const std::size_t n = samples().components;
     if (!wanted.gradients.empty())
       std::fill_n(wanted.gradients.begin() + static_cast<std::ptrdiff_t>(i * n), n, Vec3{});
     if (wanted.values.empty()) return;
-    const auto of = samples().of(nearest(x, place));
+    const auto of = samples().of(nearest(x, location));
     std::copy(of.begin(), of.end(), wanted.values.begin() + static_cast<std::ptrdiff_t>(i * n));
   }
 
-  std::uint32_t nearest(const Vec3& x, const VolumePlace& place) const {
-    std::uint32_t best = place.corners[0];
+  std::uint32_t nearest(const Vec3& x, const CellLocation& location) const {
+    std::uint32_t best = location.corners[0];
     const auto distance = [&](std::uint32_t s) { return squared_norm(volume().position(s) - x); };
     if (volume().lattice) {
-      for (std::size_t c = 1; c < place.corner_count; ++c)
-        if (distance(place.corners[c]) < distance(best)) best = place.corners[c];
+      for (std::size_t c = 1; c < location.corner_count; ++c)
+        if (distance(location.corners[c]) < distance(best)) best = location.corners[c];
       return best;
     }
     const std::uint32_t found = tree_.nearest(x, distance, std::numeric_limits<double>::infinity());

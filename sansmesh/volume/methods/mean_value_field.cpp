@@ -28,7 +28,8 @@ class MeanValueField final : public WeightedField {
         cell_of_(cut.cell_of) {}
 
  protected:
-  void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const override {
+  void weights(const Vec3& x, const CellLocation& location, bool slopes,
+               std::vector<SampleWeight>& out) const override {
     static thread_local std::vector<std::array<std::uint8_t, 3>> triangles;
     triangles.clear();
     out.clear();
@@ -60,14 +61,14 @@ class MeanValueField final : public WeightedField {
       }
       return;
     }
-    if (cell_of_.empty() || cells_->cells.shapes[cell_of_[place.cell]] == CellShape::tetrahedron) {
+    if (cell_of_.empty() || cells_->cells.shapes[cell_of_[location.cell]] == CellShape::tetrahedron) {
       std::array<Vec3, 8> linear{};
-      if (slopes) shape_gradients(volume(), place, x, linear);
-      for (std::size_t c = 0; c < place.corner_count; ++c)
-        out.push_back({place.corners[c], place.weights[c], linear[c]});
+      if (slopes) shape_gradients(volume(), location, x, linear);
+      for (std::size_t c = 0; c < location.corner_count; ++c)
+        out.push_back({location.corners[c], location.weights[c], linear[c]});
       return;
     }
-    const std::uint32_t cell = cell_of_[place.cell];
+    const std::uint32_t cell = cell_of_[location.cell];
     const auto samples = cells_->cells[cell];
     for (std::size_t c = 0; c < samples.size(); ++c) corners[c] = cells_->positions[samples[c]];
     face_triangles(cells_->cells.shapes[cell], samples, triangles);

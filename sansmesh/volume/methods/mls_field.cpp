@@ -125,7 +125,7 @@ class MlsField final : public GroupedField {
   StarMetric metric(std::size_t i) const { return metric_of(volume(), metrics_, i); }
 
   // Gathers the supports that reach a cell; returns the origin of the cell.
-  Vec3 gather(const VolumePlace& cell, Lists& lists) const {
+  Vec3 gather(const CellLocation& cell, Lists& lists) const {
     const Vec3 origin = index_.of_cell(cell, lists.found);
     lists.samples.resize(lists.found.supports.size());
     for (std::size_t s = 0; s < lists.samples.size(); ++s) {
@@ -187,17 +187,17 @@ class MlsField final : public GroupedField {
     const double unit = largest > 0 && std::isfinite(1 / largest) ? 1 / largest : 1;
     std::vector<std::array<double, 2>> sums(cell_count(volume()));
     each_cell(sums.size(), "corrections", progress, [&](std::size_t k, Lists& lists) {
-      const VolumePlace place = place_of_cell(volume(), nth_cell(volume(), k));
-      const std::size_t count = place.corner_count;
-      const CellShape shape = shape_of_cell(volume(), place.cell);
+      const CellLocation location = location_of_cell(volume(), nth_cell(volume(), k));
+      const std::size_t count = location.corner_count;
+      const CellShape shape = shape_of_cell(volume(), location.cell);
       std::array<Vec3, 8> x{};
       std::array<std::array<double, 8>, 8> weights{};
       for (std::size_t p = 0; p < count; ++p) {
         for (std::size_t v = 0; v < count; ++v) weights[p][v] = 0.5 / static_cast<double>(count) + (v == p ? 0.5 : 0);
         shape_functions(shape, parameters_of(shape, weights[p]), weights[p]);
-        for (std::size_t v = 0; v < count; ++v) x[p] += corner_position(volume(), place.corners[v]) * weights[p][v];
+        for (std::size_t v = 0; v < count; ++v) x[p] += corner_position(volume(), location.corners[v]) * weights[p][v];
       }
-      const Vec3 origin = gather(place, lists);
+      const Vec3 origin = gather(location, lists);
       for (std::size_t m = 0; m < c; ++m) {
         const double base = solve(
             lists, origin, m, count, [&](std::size_t i) { return x[i]; }, false);
@@ -210,7 +210,7 @@ class MlsField final : public GroupedField {
           };
           if (at_corners) {
             for (std::size_t v = 0; v < count; ++v) {
-              const std::size_t i = place.corners[v];
+              const std::size_t i = location.corners[v];
               flat += weights[p][v] * values_.values[i * c + m];
               fitted += weights[p][v] * residuals_[i * c + m];
               add(i, weights[p][v]);
@@ -218,9 +218,9 @@ class MlsField final : public GroupedField {
           } else {
             Flat& all = lists.flat[0];
             all.values.resize(c);
-            flat_->evaluate(place, x[p], all.values, {});
+            flat_->evaluate(location, x[p], all.values, {});
             flat = all.values[m];
-            add(volume().cell_sample[place.cell], 1);
+            add(volume().cell_sample[location.cell], 1);
           }
           const double a = unit * steady_share(lists.tile.variance[p]) * (fitted - flat);
           sums[k][0] += a * a * (a * a), sums[k][1] += a * a * (trust * a * unit * (other - flat));
@@ -229,12 +229,12 @@ class MlsField final : public GroupedField {
     });
     std::vector<std::array<double, 2>> of_samples(n);
     for (std::size_t k = 0; k < sums.size(); ++k) {
-      const VolumePlace place = place_of_cell(volume(), nth_cell(volume(), k));
+      const CellLocation location = location_of_cell(volume(), nth_cell(volume(), k));
       const auto add = [&](std::uint32_t i) { of_samples[i][0] += sums[k][0], of_samples[i][1] += sums[k][1]; };
       if (!at_corners)
-        add(volume().cell_sample[place.cell]);
+        add(volume().cell_sample[location.cell]);
       else
-        for (std::size_t v = 0; v < place.corner_count; ++v) add(place.corners[v]);
+        for (std::size_t v = 0; v < location.corner_count; ++v) add(location.corners[v]);
     }
     // Without a correction at any point there is nothing to confirm.
     std::vector<double> shares(n, 0.0);
@@ -260,14 +260,14 @@ class MlsField final : public GroupedField {
     });
   }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(MlsTile::kTile == kMostPoints);
     Lists& lists = static_cast<Lists&>(memory);
     MlsTile& tile = lists.tile;
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();
     const Vec3 origin = gather(group.cell, lists);
-    for (std::size_t i = 0; i < n; ++i) interpolate(*group.places[i], group.x[i], gradient, lists.flat[i]);
+    for (std::size_t i = 0; i < n; ++i) interpolate(*group.locations[i], group.x[i], gradient, lists.flat[i]);
     for (std::size_t m = 0; m < c; ++m) {
       const double base = solve(
           lists, origin, m, n, [&](std::size_t i) { return group.x[i]; }, gradient);
@@ -277,18 +277,19 @@ class MlsField final : public GroupedField {
         // During the computation of residuals only M f counts.
         const double steady = shares_.values.empty() ? tile.variance[i] >= 0 : steady_share(tile.variance[i]);
         const double share = steady * flat.share;
-        const VolumePlace& place = *group.places[i];
+        const CellLocation& location = *group.locations[i];
         // Difference to linear interpolation, M f − L.
         double more = base + tile.value[i] - flat.values[m];
-        for (std::size_t v = 0; v < place.corner_count && !residuals_.empty(); ++v)
-          more += place.weights[v] * residuals_[place.corners[v] * c + m];
+        for (std::size_t v = 0; v < location.corner_count && !residuals_.empty(); ++v)
+          more += location.weights[v] * residuals_[location.corners[v] * c + m];
         if (!wanted.values.empty()) wanted.values[to] = flat.values[m] + share * more;
         if (!gradient) continue;
         Vec3 rise = Vec3{tile.gradient[0][i], tile.gradient[1][i], tile.gradient[2][i]} - flat.slopes[m];
         if (!residuals_.empty()) {
           std::array<Vec3, 8> slopes;
-          shape_gradients(volume(), place, group.x[i], slopes);
-          for (std::size_t v = 0; v < place.corner_count; ++v) rise += slopes[v] * residuals_[place.corners[v] * c + m];
+          shape_gradients(volume(), location, group.x[i], slopes);
+          for (std::size_t v = 0; v < location.corner_count; ++v)
+            rise += slopes[v] * residuals_[location.corners[v] * c + m];
         }
         wanted.gradients[to] = flat.slopes[m] + rise * share + flat.share_slope * (steady * more);
       }
@@ -301,25 +302,25 @@ class MlsField final : public GroupedField {
   }
 
   // L and the share at a point.
-  void interpolate(const VolumePlace& place, const Vec3& x, bool gradient, Flat& flat) const {
+  void interpolate(const CellLocation& location, const Vec3& x, bool gradient, Flat& flat) const {
     const std::size_t c = components();
     flat.values.assign(c, 0.0), flat.slopes.assign(gradient ? c : 0, Vec3{});
     flat.share = 0, flat.share_slope = {};
     const bool shared = !shares_.values.empty();
     if (flat_) {
-      flat_->evaluate(place, x, flat.values, flat.slopes);
-      flat_share_->evaluate(place, x, std::span(&flat.share, 1), std::span(&flat.share_slope, gradient ? 1 : 0));
+      flat_->evaluate(location, x, flat.values, flat.slopes);
+      flat_share_->evaluate(location, x, std::span(&flat.share, 1), std::span(&flat.share_slope, gradient ? 1 : 0));
     } else {
-      for (std::size_t v = 0; v < place.corner_count; ++v) {
-        const std::size_t i = place.corners[v];
-        for (std::size_t m = 0; m < c; ++m) flat.values[m] += place.weights[v] * values_.values[i * c + m];
-        if (shared) flat.share += place.weights[v] * shares_.values[i];
+      for (std::size_t v = 0; v < location.corner_count; ++v) {
+        const std::size_t i = location.corners[v];
+        for (std::size_t m = 0; m < c; ++m) flat.values[m] += location.weights[v] * values_.values[i * c + m];
+        if (shared) flat.share += location.weights[v] * shares_.values[i];
       }
       if (gradient) {
         std::array<Vec3, 8> slopes;
-        shape_gradients(volume(), place, x, slopes);
-        for (std::size_t v = 0; v < place.corner_count; ++v) {
-          const std::size_t i = place.corners[v];
+        shape_gradients(volume(), location, x, slopes);
+        for (std::size_t v = 0; v < location.corner_count; ++v) {
+          const std::size_t i = location.corners[v];
           for (std::size_t m = 0; m < c; ++m) flat.slopes[m] += slopes[v] * values_.values[i * c + m];
           if (shared) flat.share_slope += slopes[v] * shares_.values[i];
         }

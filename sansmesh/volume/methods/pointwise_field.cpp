@@ -25,19 +25,19 @@ LocatedField::LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeVa
 }
 
 template <class Visit>
-void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) const {
+void LocatedField::for_each_location(std::span<const Vec3> x, const Visit& visit) const {
   // Callers with few points continue from one call to the next (for example one particle per slot). The search starts
   // at the previous cell of the slot, even if another field of the same thread found it.
   static thread_local std::array<std::uint32_t, kLocatedGrain> slots{};
   const std::vector<std::uint32_t> order = locality_order(x);
   const bool few = x.size() <= slots.size();
   parallel_ranges(0, x.size(), kLocatedGrain, [&](std::size_t begin, std::size_t end) {
-    std::array<VolumePlace, kAtOnce> places;
+    std::array<CellLocation, kAtOnce> locations;
     std::array<Vec3, kAtOnce> sorted;
     std::uint32_t before = 0;
     for (std::size_t first = begin, count; first < end; first += count) {
       count = std::min(kAtOnce, end - first);
-      const std::span<VolumePlace> found = std::span(places).first(count);
+      const std::span<CellLocation> found = std::span(locations).first(count);
       const auto starts = few ? std::span(slots).subspan(first, count) : std::span(&before, 1);
       if (order.empty()) {
         locator_.locate(x.subspan(first, count), found, starts);
@@ -45,16 +45,16 @@ void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) c
         for (std::size_t k = 0; k < count; ++k) sorted[k] = x[order[first + k]];
         locator_.locate(std::span(sorted).first(count), found, starts);
       }
-      for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], places[k]);
+      for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], locations[k]);
     }
   });
 }
 
-void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+void LocatedField::evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
   const std::size_t n = components();
-  if (!answers_fit(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
-  for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
-    if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
+  if (!sizes_agree(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
+  for_each_location(x, [&](std::size_t i, const CellLocation& location) {
+    if (is_finite(x[i])) return evaluate_point(i, x[i], location, wanted);
     if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);
     if (!wanted.gradients.empty()) std::fill_n(wanted.gradients.data() + i * n, n, Vec3{});
     if (!wanted.inside.empty()) wanted.inside[i] = 0;
@@ -63,19 +63,20 @@ void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted
 
 void LocatedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
   if (found.size() != x.size()) throw ArgumentError("VolumeField: the numbers of spacings and points differ");
-  for_each_place(x, [&](std::size_t i, const VolumePlace& place) { found[i] = local_spacing(*volume_, place); });
+  for_each_location(x,
+                    [&](std::size_t i, const CellLocation& location) { found[i] = local_spacing(*volume_, location); });
 }
 
-Vec3 LocatedField::position_of(const VolumePlace& place) const {
+Vec3 LocatedField::position_of(const CellLocation& location) const {
   Vec3 at;
-  for (std::size_t c = 0; c < place.corner_count; ++c)
-    at += corner_position(*volume_, place.corners[c]) * place.weights[c];
+  for (std::size_t c = 0; c < location.corner_count; ++c)
+    at += corner_position(*volume_, location.corners[c]) * location.weights[c];
   return at;
 }
 
-void PointwiseField::answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
-                               const VolumeAnswers& wanted) const {
-  if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
+void PointwiseField::evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                                    const VolumeFieldValues& wanted) const {
+  if (!wanted.inside.empty()) wanted.inside[i] = location.inside;
   if (wanted.values.empty() && wanted.gradients.empty()) return;
   const std::size_t n = components();
   static thread_local std::vector<double> value;
@@ -83,19 +84,19 @@ void PointwiseField::answer_at(std::size_t i, const Vec3& x, const VolumePlace& 
   value.assign(n, 0), slope.assign(n, {});
   double* const values = wanted.values.empty() ? value.data() : wanted.values.data() + i * n;
   Vec3* const gradients = wanted.gradients.empty() ? slope.data() : wanted.gradients.data() + i * n;
-  if (place.inside) {
-    answer(x, place, values, wanted.gradients.empty() ? nullptr : gradients);
+  if (location.inside) {
+    evaluate_at(x, location, values, wanted.gradients.empty() ? nullptr : gradients);
   } else {
-    const Vec3 nearest = position_of(place);
-    answer(nearest, place, values, gradients);
-    const Vec3 beyond = held_outside(volume(), place, x - nearest);
+    const Vec3 nearest = position_of(location);
+    evaluate_at(nearest, location, values, gradients);
+    const Vec3 beyond = held_outside(volume(), location, x - nearest);
     for (std::size_t c = 0; c < n; ++c) values[c] += dot(gradients[c], beyond);
   }
 }
 
-void WeightedField::answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const {
+void WeightedField::evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const {
   static thread_local std::vector<SampleWeight> found;
-  weights(x, place, gradients != nullptr, found);
+  weights(x, location, gradients != nullptr, found);
   const std::size_t n = components();
   std::fill_n(values, n, 0);
   if (gradients) std::fill_n(gradients, n, Vec3{});

@@ -14,8 +14,8 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Whether each list of answers for n points is empty or has the right size.
-inline bool answers_fit(const VolumeAnswers& wanted, std::size_t n, std::size_t components) {
+/// Whether each list of results for n points is empty or has the right size.
+inline bool sizes_agree(const VolumeFieldValues& wanted, std::size_t n, std::size_t components) {
   const auto fits = [](std::size_t size, std::size_t right) { return size == 0 || size == right; };
   return fits(wanted.values.size(), n * components) && fits(wanted.gradients.size(), n * components) &&
          fits(wanted.inside.size(), n);
@@ -30,22 +30,23 @@ class LocatedField : public VolumeField {
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return values_.components; }
-  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   /// Mean edge length of the cell.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
-  /// Writes the requested answers at x, point `i` of the batch, with known location.
-  virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const = 0;
+  /// Writes the requested results at x, point `i` of the batch, with known location.
+  virtual void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                              const VolumeFieldValues& wanted) const = 0;
 
   /// Position of the weights of a location: x inside, the nearest point of the volume outside.
-  Vec3 position_of(const VolumePlace& place) const;
+  Vec3 position_of(const CellLocation& location) const;
   const SampledVolume& volume() const { return *volume_; }
   const VolumeValues& samples() const { return values_; }
 
  private:
   template <class Visit>
-  void for_each_place(std::span<const Vec3> x, const Visit& visit) const;
+  void for_each_location(std::span<const Vec3> x, const Visit& visit) const;
 
   std::shared_ptr<const SampledVolume> volume_;
   VolumeValues values_;
@@ -59,9 +60,10 @@ class PointwiseField : public LocatedField {
   using LocatedField::LocatedField;
 
  protected:
-  /// The answer at x inside the volume: components() values, and as many gradients unless that is null.
-  virtual void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
-  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const final;
+  /// The result at x inside the volume: components() values, and as many gradients unless that is null.
+  virtual void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const = 0;
+  void evaluate_point(std::size_t i, const Vec3& x, const CellLocation& location,
+                      const VolumeFieldValues& wanted) const final;
 };
 
 /// A sample's weight in a sum, and the gradient of the weight.
@@ -78,8 +80,9 @@ class WeightedField : public PointwiseField {
 
  protected:
   /// Replaces `out` by the weights at x, with slopes if requested.
-  virtual void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const = 0;
-  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
+  virtual void weights(const Vec3& x, const CellLocation& location, bool slopes,
+                       std::vector<SampleWeight>& out) const = 0;
+  void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const final;
 };
 
 }  // namespace sansmesh::inline v1::detail

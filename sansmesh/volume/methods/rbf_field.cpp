@@ -151,15 +151,15 @@ class RbfSystems {
     for (std::size_t k = 0; k < 3; ++k) kinds_[k] = std::min(lattice.axes[k].size(), 2 * widest() + 1);
     const std::size_t count = kinds_[0] * kinds_[1] * kinds_[2];
     std::vector<std::uint32_t> example(count);  // one sample of each kind
-    const auto place = [&](std::size_t k, std::size_t kind) {
+    const auto axis_index = [&](std::size_t k, std::size_t kind) {
       const std::size_t n = lattice.axes[k].size();
       return kinds_[k] == n || kind <= widest() ? kind : kind + n - (2 * widest() + 1);
     };
     const std::size_t nx = lattice.axes[0].size(), ny = lattice.axes[1].size();
     for (std::size_t s = 0; s < count; ++s)
-      example[s] =
-          static_cast<std::uint32_t>(place(0, s % kinds_[0]) + nx * (place(1, s / kinds_[0] % kinds_[1]) +
-                                                                     ny * place(2, s / (kinds_[0] * kinds_[1]))));
+      example[s] = static_cast<std::uint32_t>(
+          axis_index(0, s % kinds_[0]) +
+          nx * (axis_index(1, s / kinds_[0] % kinds_[1]) + ny * axis_index(2, s / (kinds_[0] * kinds_[1]))));
     stencils_.resize(count);
     progress.begin("fitting radial basis functions", count);
     parallel_for(0, count, 1, [&](std::size_t s) {
@@ -263,7 +263,7 @@ class RbfField final : public PointwiseField {
       : PointwiseField(std::move(sampled), std::move(values)), systems_(volume(), samples(), reach, progress) {}
 
  protected:
-  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
+  void evaluate_at(const Vec3& x, const CellLocation& location, double* values, Vec3* gradients) const override {
     static thread_local std::vector<SampleSupports::Cover> covers;
     static thread_local std::vector<double> value;
     static thread_local std::vector<Vec3> gradient, sums;
@@ -290,14 +290,14 @@ class RbfField final : public PointwiseField {
     }
     if (!volume().lattice && volume().cell_sample.empty()) {
       std::array<Vec3, 8> falls{};
-      if (gradients) shape_gradients(volume(), place, x, falls);
-      for (std::size_t c = 0; c < place.corner_count; ++c) {
-        for (std::size_t k = 0; k < m; ++k) value[k] = samples().values[place.corners[c] * m + k], gradient[k] = {};
-        add(kGapWeight * place.weights[c], falls[c] * kGapWeight);
+      if (gradients) shape_gradients(volume(), location, x, falls);
+      for (std::size_t c = 0; c < location.corner_count; ++c) {
+        for (std::size_t k = 0; k < m; ++k) value[k] = samples().values[location.corners[c] * m + k], gradient[k] = {};
+        add(kGapWeight * location.weights[c], falls[c] * kGapWeight);
       }
     }
     if (!(sum > 0)) {  // cell data are covered by their own supports, up to rounding
-      const std::size_t s = volume().cell_sample.empty() ? 0 : volume().cell_sample[place.cell];
+      const std::size_t s = volume().cell_sample.empty() ? 0 : volume().cell_sample[location.cell];
       for (std::size_t k = 0; k < m; ++k) value[k] = samples().values[s * m + k], gradient[k] = {};
       add(1, {});
     }

@@ -25,7 +25,7 @@ class ShepardField final : public WeightedField {
       : WeightedField(std::move(sampled), std::move(values)), supports_(volume(), reach) {}
 
  protected:
-  void weights(const Vec3& x, const VolumePlace& place, bool /*slopes*/,
+  void weights(const Vec3& x, const CellLocation& location, bool /*slopes*/,
                std::vector<SampleWeight>& out) const override {
     static thread_local std::vector<SampleSupports::Cover> covers;
     supports_.covering(x, covers);
@@ -45,14 +45,14 @@ class ShepardField final : public WeightedField {
     }
     if (!volume().lattice && volume().cell_sample.empty()) {  // supports of the others cover their own cells
       std::array<Vec3, 8> gradients{};
-      shape_gradients(volume(), place, x, gradients);
-      for (std::size_t c = 0; c < place.corner_count; ++c) {
-        out.push_back({place.corners[c], kFillWeight * place.weights[c], gradients[c] * kFillWeight});
+      shape_gradients(volume(), location, x, gradients);
+      for (std::size_t c = 0; c < location.corner_count; ++c) {
+        out.push_back({location.corners[c], kFillWeight * location.weights[c], gradients[c] * kFillWeight});
         sum += out.back().weight;
         slope += out.back().slope;
       }
     }
-    if (!(sum > 0)) return out.assign(1, {nearest(place), 1, {}});
+    if (!(sum > 0)) return out.assign(1, {nearest(location), 1, {}});
     for (SampleWeight& w : out) {
       w.weight /= sum;
       w.slope = (w.slope - slope * w.weight) / sum;
@@ -60,8 +60,8 @@ class ShepardField final : public WeightedField {
   }
 
  private:
-  std::uint32_t nearest(const VolumePlace& place) const {
-    return volume().cell_sample.empty() ? 0 : volume().cell_sample[place.cell];
+  std::uint32_t nearest(const CellLocation& location) const {
+    return volume().cell_sample.empty() ? 0 : volume().cell_sample[location.cell];
   }
 
   SampleSupports supports_;

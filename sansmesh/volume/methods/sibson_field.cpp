@@ -98,7 +98,7 @@ class SibsonField final : public WeightedField {
       : WeightedField(std::move(sampled), std::move(values)), nearest_(volume()) {}
 
  protected:
-  void weights(const Vec3& x, const VolumePlace& /*place*/, bool slopes,
+  void weights(const Vec3& x, const CellLocation& /*location*/, bool slopes,
                std::vector<SampleWeight>& out) const override {
     static thread_local std::vector<std::uint32_t> near;
     nearest_.find(x, kFirstGuess, near);

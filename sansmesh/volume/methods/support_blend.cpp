@@ -64,8 +64,9 @@ class LinearShare {
   /// Whether the share is positive anywhere in a cell.
   bool has(std::size_t cell) const { return any_[cell] != 0; }
   /// Values, and the share as the last one; and their gradients, if requested.
-  void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const {
-    interpolant_->evaluate(place, x, values, gradients);
+  void evaluate(const CellLocation& location, const Vec3& x, std::span<double> values,
+                std::span<Vec3> gradients) const {
+    interpolant_->evaluate(location, x, values, gradients);
   }
 
  private:
@@ -144,7 +145,7 @@ class SupportBlend final : public GroupedField {
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
   bool goes_on_straight() const override { return true; }
 
-  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+  void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
     static_assert(SupportTile::kTile == kMostPoints);
     Lists& lists = static_cast<Lists&>(memory);
     SupportTile& tile = lists.tile;
@@ -165,7 +166,7 @@ class SupportBlend final : public GroupedField {
     if (shared) {
       lists.flat.resize(n * (c + 1)), lists.slopes.resize(gradient ? n * (c + 1) : 0);
       for (std::size_t i = 0; i < n; ++i)
-        linear_->evaluate(*group.places[i], group.x[i], std::span(lists.flat).subspan(i * (c + 1), c + 1),
+        linear_->evaluate(*group.locations[i], group.x[i], std::span(lists.flat).subspan(i * (c + 1), c + 1),
                           gradient ? std::span(lists.slopes).subspan(i * (c + 1), c + 1) : std::span<Vec3>());
     }
     const auto slots = static_cast<std::size_t>(monomial_count(3, LocalPolynomials::kMaxDegree) - 1);

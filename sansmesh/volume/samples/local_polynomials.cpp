@@ -116,11 +116,11 @@ class EdgeSupport {
     }
   };
 
-  Vec3 place(std::uint32_t sample) const { return metric_(volume_.position(sample) - x_); }
+  Vec3 local(std::uint32_t sample) const { return metric_(volume_.position(sample) - x_); }
 
   void find_first(Rings& rings) const {
     rings.first.clear();
-    for (const std::uint32_t k : rings.star) rings.first.push_back(place(k));
+    for (const std::uint32_t k : rings.star) rings.first.push_back(local(k));
     rings.has_first = true;
   }
 
@@ -131,7 +131,7 @@ class EdgeSupport {
     for (const std::uint32_t k : rings.star) {
       volume_.star(k, next_);
       for (const std::uint32_t l : next_)
-        if (seen_.insert(l)) rings.second.push_back(place(l));
+        if (seen_.insert(l)) rings.second.push_back(local(l));
     }
     rings.has_second = true;
   }

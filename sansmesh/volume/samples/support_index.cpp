@@ -32,7 +32,7 @@ SupportIndex::SupportIndex(const SampledVolume& volume, std::span<const StarMetr
   });
 }
 
-std::size_t SupportIndex::hull_of(const VolumePlace& cell, std::array<Vec3, 8>& hull) const {
+std::size_t SupportIndex::hull_of(const CellLocation& cell, std::array<Vec3, 8>& hull) const {
   const std::size_t count = cell.corner_count;
   for (std::size_t v = 0; v < count; ++v) hull[v] = corner_position(*volume_, cell.corners[v]);
   if (!volume_->lattice || !volume_->in_cells) return count;
@@ -42,7 +42,7 @@ std::size_t SupportIndex::hull_of(const VolumePlace& cell, std::array<Vec3, 8>& 
   return count;
 }
 
-Vec3 SupportIndex::of_cell(const VolumePlace& cell, Memory& memory) const {
+Vec3 SupportIndex::of_cell(const CellLocation& cell, Memory& memory) const {
   std::array<Vec3, 8> corners;
   const auto hull = std::span<const Vec3>(corners).first(hull_of(cell, corners));
   Box3 box;
@@ -67,7 +67,7 @@ void SupportIndex::of_sample(std::uint32_t sample, Memory& memory) const {
   leave_connected(kRings, memory);
 }
 
-void SupportIndex::of_place(const Vec3& x, std::span<const std::uint32_t> star, Memory& memory) const {
+void SupportIndex::of_point(const Vec3& x, std::span<const std::uint32_t> star, Memory& memory) const {
   tree_.containing(x, memory.supports);
   leave_near(std::span(&x, 1), memory);
   memory.near.assign(star.begin(), star.end());

@@ -31,16 +31,16 @@ class SupportIndex {
   };
   /// Supports that may contain points of a cell, with few false positives; returns the centre of the cell's box. Only
   /// supports of samples within kRings mesh edges of the cell's samples count.
-  Vec3 of_cell(const VolumePlace& cell, Memory& memory) const;
+  Vec3 of_cell(const CellLocation& cell, Memory& memory) const;
   /// Supports that contain a sample, within kRings mesh edges.
   void of_sample(std::uint32_t sample, Memory& memory) const;
   /// Supports that contain x, within kRings edges of a point with the given star. Not for lattices.
-  void of_place(const Vec3& x, std::span<const std::uint32_t> star, Memory& memory) const;
+  void of_point(const Vec3& x, std::span<const std::uint32_t> star, Memory& memory) const;
 
   static constexpr int kRings = 4;
 
  private:
-  std::size_t hull_of(const VolumePlace& cell, std::array<Vec3, 8>& hull) const;
+  std::size_t hull_of(const CellLocation& cell, std::array<Vec3, 8>& hull) const;
   void leave_near(std::span<const Vec3> hull, Memory& memory) const;
   void leave_connected(int rings, Memory& memory) const;
 

@@ -24,7 +24,7 @@ struct Ball {
   BallSamples samples() const { return {positions, normals, weights}; }
 };
 
-std::vector<Vec3> places(std::size_t n, unsigned seed = 2) {
+std::vector<Vec3> constraints(std::size_t n, unsigned seed = 2) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::vector<Vec3> x(n);
@@ -40,9 +40,9 @@ TEST(MpuShapes, HeightsReproduceAnyParaboloidOverTheirFrame) {
     return 0.3 + 0.2 * a - 0.1 * b + 0.5 * a * a - 0.7 * a * b + 0.4 * b * b;
   };
   Ball ball;
-  for (const Vec3& p : places(40)) ball.add(u * p.x + v * p.y + up * height(p.x, p.y), up, 1.5 + p.z);
+  for (const Vec3& p : constraints(40)) ball.add(u * p.x + v * p.y + up * height(p.x, p.y), up, 1.5 + p.z);
   const QuadricPiece q = height_quadric(ball.samples(), up, 2);
-  for (const Vec3& p : places(40, 5)) {
+  for (const Vec3& p : constraints(40, 5)) {
     const double w = 2 * p.z;
     EXPECT_NEAR(q.value(u * p.x + v * p.y + up * w), w - height(p.x, p.y), 1e-7);
   }
@@ -52,23 +52,23 @@ TEST(MpuShapes, WhatALineOfSamplesDoesNotTellIsFlat) {
   Ball ball;
   for (int i = -5; i <= 5; ++i) ball.add({0.1 * i, 0, 0}, {0, 0, 1});
   const QuadricPiece q = height_quadric(ball.samples(), {0, 0, 1}, 2);
-  for (const Vec3& p : places(20)) EXPECT_NEAR(q.value(p), p.z, 1e-6);
+  for (const Vec3& p : constraints(20)) EXPECT_NEAR(q.value(p), p.z, 1e-6);
 }
 
 TEST(MpuShapes, GeneralQuadricsReproduceSpheresAndWalls) {
   Ball ball, wall;
-  std::vector<DistancePlace> around, off;
-  for (const Vec3& p : places(60)) {
+  std::vector<DistanceConstraint> around, off;
+  for (const Vec3& p : constraints(60)) {
     const Vec3 n = normalized(p);
     ball.add(n * 0.8, n);
     wall.add({p.x, p.y, p.z > 0 ? 0.2 : -0.2}, {0, 0, p.z});
   }
-  for (const Vec3& p : places(9, 7)) {
+  for (const Vec3& p : constraints(9, 7)) {
     around.push_back({p, (squared_norm(p) - 0.64) / 1.6});
     off.push_back({p, (p.z * p.z - 0.04) / 0.4});
   }
   const QuadricPiece q = general_quadric(ball.samples(), around, 1), w = general_quadric(wall.samples(), off, 1);
-  for (const Vec3& p : places(40, 9)) {
+  for (const Vec3& p : constraints(40, 9)) {
     EXPECT_NEAR(q.value(p), (squared_norm(p) - 0.64) / 1.6, 1e-6);
     EXPECT_NEAR(w.value(p), (p.z * p.z - 0.04) / 0.4, 1e-6);
   }
@@ -80,7 +80,7 @@ TEST(MpuShapes, SeenFromElsewhereTheyAreTheSame) {
   q.b = {1, -1, 2}, q.c = 0.7;
   const Vec3 by{0.3, -0.2, 0.9};
   const QuadricPiece there = q.seen_from(by);
-  for (const Vec3& p : places(20)) {
+  for (const Vec3& p : constraints(20)) {
     EXPECT_NEAR(there.value(p), q.value(p + by), 1e-12);
     const double step = 1e-5;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -99,7 +99,7 @@ Ball corner_of(const std::array<Vec3, 3>& normals, const Inside& combined) {
     Vec3 u, v;
     tangent_frame(n, u, v);
     int taken = 0;
-    for (const Vec3& p : places(400)) {
+    for (const Vec3& p : constraints(400)) {
       const Vec3 x = u * p.x + v * p.y;
       if (taken < 10 && std::abs(combined(x)) < 1e-12) ball.add(x, n), ++taken;
     }
@@ -115,7 +115,7 @@ TEST(MpuShapes, CornersOfEveryKindAreReproduced) {
     EXPECT_EQ(split_by_normals(ball.normals).faces, 3u);
     const auto shape = piecewise_shape(ball.samples(), 2);
     ASSERT_TRUE(shape);
-    for (const Vec3& x : places(100, 4))
+    for (const Vec3& x : constraints(100, 4))
       EXPECT_NEAR(shape_value(shape->pieces.data(), shape->combination, x).value, combined(x), 1e-6);
   };
   const auto d = [&](std::size_t k, const Vec3& x) { return dot(n[k], x); };
@@ -137,10 +137,10 @@ TEST(MpuShapes, CornersOfFourFacesAreToldFromEdges) {
   for (const Vec3& m : n) {
     Vec3 u, v;
     tangent_frame(normalized(m), u, v);
-    for (const Vec3& p : places(60))
+    for (const Vec3& p : constraints(60))
       if (const Vec3 x = u * p.x + v * p.y; std::abs(pyramid(x)) < 1e-12) tip.add(x, m);
   }
-  for (const Vec3& p : places(30)) {
+  for (const Vec3& p : constraints(30)) {
     edge.add(p.x > 0 ? Vec3{p.x, p.y, 0} : Vec3{0, p.y, -std::abs(p.x)}, p.x > 0 ? Vec3{0, 0, 1} : Vec3{-1, 0, 0});
     smooth.add({p.x, p.y, 0}, {0.1 * p.x, 0.1 * p.y, 1});
     wall.add({p.x, p.y, p.z > 0 ? 0.1 : -0.1}, {0, 0, p.z});
@@ -152,11 +152,11 @@ TEST(MpuShapes, CornersOfFourFacesAreToldFromEdges) {
   EXPECT_FALSE(piecewise_shape(smooth.samples(), 2));
   const auto shape = piecewise_shape(tip.samples(), 2);
   ASSERT_TRUE(shape);
-  for (const Vec3& x : places(100, 4))
+  for (const Vec3& x : constraints(100, 4))
     EXPECT_NEAR(shape_value(shape->pieces.data(), shape->combination, x).value, pyramid(x), 1e-6);
   const auto slab = piecewise_shape(wall.samples(), 2);
   ASSERT_TRUE(slab);
-  for (const Vec3& x : places(100, 4))
+  for (const Vec3& x : constraints(100, 4))
     EXPECT_NEAR(shape_value(slab->pieces.data(), slab->combination, x).value, std::abs(x.z) - 0.1, 1e-6);
 }
 
@@ -164,14 +164,14 @@ TEST(MpuShapes, RangesHoldAllValues) {
   LocalShape shape;
   shape.combination = {.pieces = 3, .maxima = 1};
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::vector<Vec3> p = places(3, static_cast<unsigned>(k));
+    const std::vector<Vec3> p = constraints(3, static_cast<unsigned>(k));
     shape.pieces[k].add_square(p[0], 0.8), shape.pieces[k].add_product(p[1], p[2], -0.6);
     shape.pieces[k].b = p[1], shape.pieces[k].c = p[2].x;
   }
-  for (const Vec3& x : places(20, 8)) {
+  for (const Vec3& x : constraints(20, 8)) {
     const double radius = 0.3;
     const ValueRange r = shape_range(shape.pieces.data(), shape.combination, x, radius);
-    for (const Vec3& d : places(300, 6)) {
+    for (const Vec3& d : constraints(300, 6)) {
       const double v = shape_value(shape.pieces.data(), shape.combination, x + normalized(d) * radius).value;
       ASSERT_LE(r.least, v + 1e-12);
       ASSERT_GE(r.most, v - 1e-12);

@@ -13,8 +13,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Absent options are chosen from the data. Without a method no other option may be set.
-struct SANSMESH_API ReconstructionOptions {
+/// Options of the reconstruction of a field from the samples of a volume. Absent options are chosen from the data;
+/// without a method no other option may be set.
+struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
   std::optional<int> iterations = {};      ///< amls: number of iterations that add residuals, 0..100
@@ -35,7 +36,7 @@ struct SANSMESH_API ReconstructionOptions {
 
 /// Choices and remarks of a reconstruction.
 struct VolumeReconstructionReport {
-  ReconstructionOptions options;       ///< options with all choices made from the data, including the method
+  VolumeReconstructionOptions options;  ///< options with all choices made from the data, including the method
   std::string why;                     ///< reason for an automatic choice of the method: a sentence without a full stop
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
@@ -64,7 +65,7 @@ struct VolumeTraits {
 };
 
 /// An automatic choice of the method.
-struct ReconstructionChoice {
+struct VolumeReconstructionChoice {
   std::string method = "mls-detail";  ///< method name
   std::string why;                    ///< reason, without a full stop
 };

@@ -1,4 +1,4 @@
-#include "sansmesh/reconstruction_options.h"
+#include "sansmesh/volume_reconstruction_options.h"
 
 #include <string>
 
@@ -8,8 +8,8 @@
 
 namespace sansmesh::inline v1 {
 
-const OptionSchema& ReconstructionOptions::schema() {
-  using O = ReconstructionOptions;
+const OptionSchema& VolumeReconstructionOptions::schema() {
+  using O = VolumeReconstructionOptions;
   using Words = RegistryWords<VolumeMethod>;
   static const std::string method = "Reconstruction between samples: " + VolumeMethod::registry().names();
   static const std::string radius = "Support radius in spacings (" + methods_that_use("radius") + ")";
@@ -43,7 +43,7 @@ const OptionSchema& ReconstructionOptions::schema() {
   return schema;
 }
 
-void ReconstructionOptions::validate() const {
+void VolumeReconstructionOptions::validate() const {
   validate_options(*this);
   check_argument(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
 }

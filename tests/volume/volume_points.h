@@ -12,16 +12,16 @@
 namespace sansmesh::test {
 
 /// Random points inside random cells, at least a hundredth from the faces. For lattices points between the ends.
-inline std::vector<Vec3> places_within(const SampledVolume& volume, std::size_t count, unsigned seed = 5) {
+inline std::vector<Vec3> points_within(const SampledVolume& volume, std::size_t count, unsigned seed = 5) {
   std::mt19937 random(seed);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  std::vector<Vec3> places;
-  while (places.size() < count) {
+  std::vector<Vec3> points;
+  while (points.size() < count) {
     if (volume.lattice) {
       Vec3 a;
       for (std::size_t k = 0; k < 3; ++k)
         a[k] = volume.lattice->lower[k] + (volume.lattice->upper[k] - volume.lattice->lower[k]) * uniform();
-      places.push_back(volume.lattice->from_axes(a));
+      points.push_back(volume.lattice->from_axes(a));
       continue;
     }
     const std::size_t cell = random() % volume.cells.size();
@@ -34,9 +34,9 @@ inline std::vector<Vec3> places_within(const SampledVolume& volume, std::size_t 
     Vec3 sum;
     for (std::size_t c = 0; c < volume.cells[cell].size(); ++c)
       sum += volume.corner(volume.cells[cell][c]) * weights[c];
-    places.push_back(sum);
+    points.push_back(sum);
   }
-  return places;
+  return points;
 }
 
 }  // namespace sansmesh::test
