@@ -103,10 +103,9 @@ PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions&
   PartitionData data;
   data.options = options;
   const Box3f box = set_root_cube(points, data);
+  snap_root_cube(box, points.positions, kLeastCompany, data);
   progress.begin("sort samples");
-  // Deep enough for about one sample in the finest occupied cells even where the cloud is densest.
-  data.basis.sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
-                                         std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
+  data.basis.sort_depth = std::clamp(options.max_depth.value_or(deepest_level(points.positions, data.edge)),
                                      options.max_depth ? kLeastDepth : kLeastDepth + 1, kMostDepth);
   SampleTree tree = sort_samples(points, data, sorted);
   fit_samples(tree, box.diagonal(), data, progress);

@@ -24,7 +24,8 @@ constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
 /// coarse for their shape.
 constexpr double kShapeEvenness = 0.5, kNoiseEvenness = 0.8;
 constexpr std::size_t kLowestTenth = 10;
-constexpr double kLeastCompany = 4;  ///< mean number of samples in a sample's cell on the finest level that is tried
+/// The cube is made for kLeastCompany on the finest level; counted again, the number differs a little.
+constexpr double kCountedCompany = 0.75;
 /// If so many cells of that level, in the mean of the samples, still hold a second sheet (walls as thin as the
 /// spacing), another level is tried, as long as cells hold this mean number of samples: a cell with both sides of a
 /// wall can follow only one.
@@ -156,7 +157,7 @@ int finest_level(const SampleTree& tree, const PartitionOptions& options) {
   const int deepest = static_cast<int>(company.size()) - 1;
   if (options.max_depth) return deepest;
   int finest = 2;
-  while (finest < deepest && company[static_cast<std::size_t>(finest) + 1] >= kLeastCompany) ++finest;
+  while (finest < deepest && company[static_cast<std::size_t>(finest) + 1] >= kCountedCompany * kLeastCompany) ++finest;
   return finest;
 }
 

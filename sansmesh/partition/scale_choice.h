@@ -12,6 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
+/// Least mean number of samples in a sample's cell on the finest level that is tried.
+inline constexpr double kLeastCompany = 4;
+
 /// Result of a trial fit of one block for every degree; chosen blocks are fitted again at the end.
 struct Trial {
   /// Weighted mean squared residual of degrees 1 .. (length²). That of planes is always set, except for blocks to be

@@ -12,7 +12,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kQuantile = 0.001;
+/// Samples outside each side of the box of nearly all samples: a share of them, but in small clouds up to ten, if these
+/// are at most a twentieth.
+constexpr double kQuantile = 0.001, kLargestQuantile = 0.05;
+constexpr std::size_t kFewOutside = 10;
 constexpr float kMargin = 2;  // in extents of the box between the quantiles
 constexpr std::size_t kBoxSamples = 100000;
 constexpr double kManyDuplicates = 0.01;
@@ -22,7 +25,9 @@ constexpr double kManyDuplicates = 0.01;
 Box3f main_box(const PointSet& points) {
   const std::size_t stride = 1 + points.size() / kBoxSamples;
   std::vector<float> values((points.size() + stride - 1) / stride);
-  const auto cut = static_cast<std::size_t>(kQuantile * static_cast<double>(values.size()));
+  const auto n = static_cast<double>(values.size());
+  const auto few = std::min(kFewOutside, static_cast<std::size_t>(kLargestQuantile * n));
+  const auto cut = std::max(static_cast<std::size_t>(kQuantile * n), few);
   Box3f box{{0, 0, 0}, {0, 0, 0}};
   float extent = 0;
   for (std::size_t k = 0; k < 3; ++k) {
