@@ -9,6 +9,7 @@
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/sheets.h"
 #include "sansmesh/partition/support_patches.h"
+#include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -76,9 +77,69 @@ double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> sheet)
   return jump > kLeastJump * area ? behind / jump : 0;
 }
 
+/// Range of that number in which it is computed again from the samples: patches of cells that are wider than a thin
+/// sheet leave out part of it, and close bowls come near a closed surface.
+constexpr double kUncertain = 0.6, kCertain = 0.97;
+/// Neighbours for the area that a sample represents.
+constexpr std::size_t kNeighbours = 12;
+/// Depths behind the surface, in spacings of the samples; the largest number counts.
+constexpr std::array<float, 2> kSampleDepths{1.0f, 1.7f};
+
+/// Patches of a sheet's samples. Neighbours that face away are on another sheet.
+std::vector<OrientedPatch> sample_patches(std::span<const Vec3f> positions, std::span<const Vec3f> normals) {
+  const KdTree tree(positions);
+  std::vector<OrientedPatch> patches(tree.size());
+  tree.for_each_nearest(kNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+    const Vec3f& normal = normals[tree.order()[slot]];
+    float beside = 0;
+    for (const Neighbour& other : found) beside += dot(normals[tree.order()[other.index]], normal) > 0;
+    const float area = std::numbers::pi_v<float> * found.back().squared_distance / std::max(1.0f, beside - 0.5f);
+    patches[slot] = {tree.position(slot), normal * (std::isfinite(area) ? area : 0)};
+  });
+  return patches;
+}
+
+/// mean_behind of a sheet from its samples.
+double mean_behind_samples(const GlobalSign& sign, std::span<const OrientedPatch> samples) {
+  const std::size_t stride = (samples.size() + kLookers - 1) / kLookers, n = (samples.size() + stride - 1) / stride;
+  std::vector<double> behind(n), jump(n), area(n);
+  parallel_ranges(0, n, 256, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const OrientedPatch& patch = samples[i * stride];
+      const float size = norm(patch.area);
+      if (!(size > 0)) continue;
+      for (const float depth : kSampleDepths) {
+        const Vec3f step = patch.area * (depth * std::sqrt(size) / size);
+        const std::array<Vec3f, 2> x{patch.position - step, patch.position + step};
+        std::array<float, 2> w;
+        sign.winding_number(x, w);
+        if (depth == kSampleDepths[0] || static_cast<double>(w[0]) > behind[i])
+          behind[i] = static_cast<double>(w[0]), jump[i] = static_cast<double>(w[0] - w[1]);
+      }
+      area[i] = static_cast<double>(size);
+    }
+  });
+  double all_behind = 0, all_jump = 0, all = 0;
+  for (std::size_t i = 0; i < n; ++i) all_behind += area[i] * behind[i], all_jump += area[i] * jump[i], all += area[i];
+  return all_jump > kLeastJump * all ? all_behind / all_jump : 0;
+}
+
+/// mean_behind of one sheet from the samples in the blocks of its supports.
+double mean_behind_samples(const Sheets& sheets, std::size_t sheet, std::span<const Vec3f> samples,
+                           std::span<const Vec3f> normals, float unit) {
+  std::vector<Vec3f> positions, directions;
+  for (std::size_t i = 0; i < sheets.of_support.size(); ++i)
+    if (sheets.of_support[i] == sheet)
+      for (std::uint32_t j = sheets.first[i]; j < sheets.first[i] + sheets.count[i]; ++j)
+        positions.push_back(samples[j]), directions.push_back(normals[j]);
+  const std::vector<OrientedPatch> patches = sample_patches(positions, directions);
+  return mean_behind_samples(GlobalSign(patches, unit), patches);
+}
+
 }  // namespace
 
-void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, PartitionData& data) {
+void decide_open(std::optional<bool> open, std::span<const Vec3f> samples,
+                 std::span<const Vec3f> normals, PartitionData& data) {
   const std::size_t n = data.supports.size();
   std::vector<OrientedPatch> patches = support_patches(data);
   for (OrientedPatch& p : patches) p.least = 0;
@@ -94,8 +155,12 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   // are closed: a floor is not informative about the one below. Therefore open sheets are removed until nothing
   // changes.
   std::vector<double> behind(sheets.size()), alone(sheets.size());
-  for (std::size_t k = 0; k < sheets.size(); ++k)
-    if (judged[k]) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
+  for (std::size_t k = 0; k < sheets.size(); ++k) {
+    if (!judged[k]) continue;
+    alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
+    if (!open && alone[k] >= kUncertain && alone[k] <= kCertain)
+      alone[k] = mean_behind_samples(sheets, k, samples, normals, data.edge);
+  }
   std::vector<std::uint8_t> is_open(sheets.size(), 0);
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     behind[k] = alone[k];

@@ -20,6 +20,7 @@ constexpr double kClosedBehind = 0.87;
 /// sheet alone and together with the other closed sheets. Sheets that are small against the largest one, or that few
 /// samples represent, are not judged alone but follow the majority of the others. `samples`: in the order of the Morton
 /// curve.
-void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, PartitionData& data);
+void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, std::span<const Vec3f> normals,
+                 PartitionData& data);
 
 }  // namespace sansmesh::inline v1

@@ -91,7 +91,7 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
   data.report.error = choice.accepted;
   data.report.accuracy = estimated_accuracy(choice, diagonal);
   progress.begin("look for open sheets");
-  decide_open(data.options.open, tree.positions(), data);
+  decide_open(data.options.open, tree.positions(), tree.normals(), data);
   data.flatness = record_flatness(tree, fitter, choice, data);
 }
 

@@ -60,8 +60,8 @@ bool same_sheet(const PartitionData& data, std::span<const Vec3f> surface_points
   return a.creased || b.creased ? there || back : there && back;
 }
 
-/// Number of samples in the block of each support.
-std::vector<std::uint32_t> count_samples(const PartitionData& data, std::span<const Vec3f> samples) {
+/// Finds the samples in the block of each support.
+void find_samples(const PartitionData& data, std::span<const Vec3f> samples, Sheets& sheets) {
   const int depth = data.basis.sort_depth;
   std::vector<std::uint64_t> code(samples.size());
   const float scale = static_cast<float>(1u << depth) / data.edge;
@@ -73,14 +73,15 @@ std::vector<std::uint32_t> count_samples(const PartitionData& data, std::span<co
   });
   // Rounding of the cells may differ in the last bit from that of the order.
   if (!std::is_sorted(code.begin(), code.end())) std::sort(code.begin(), code.end());
-  std::vector<std::uint32_t> count(data.supports.size());
-  parallel_for(0, count.size(), 2048, [&](std::size_t i) {
+  sheets.first.resize(data.supports.size());
+  sheets.count.resize(data.supports.size());
+  parallel_for(0, sheets.count.size(), 2048, [&](std::size_t i) {
     const Support& s = data.supports[i];
     const int shift = 3 * (depth - std::min<int>(s.level, depth));
     const auto first = std::lower_bound(code.begin(), code.end(), s.code << shift);
-    count[i] = static_cast<std::uint32_t>(std::lower_bound(first, code.end(), (s.code + 1) << shift) - first);
+    sheets.first[i] = static_cast<std::uint32_t>(first - code.begin());
+    sheets.count[i] = static_cast<std::uint32_t>(std::lower_bound(first, code.end(), (s.code + 1) << shift) - first);
   });
-  return count;
 }
 
 }  // namespace
@@ -116,8 +117,7 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
   sheets.of_support.assign(n, Sheets::kNone);
   std::vector<std::uint32_t> number(n, Sheets::kNone);
   std::vector<double> area, found;
-  const std::vector<std::uint32_t> count =
-      samples.empty() ? std::vector<std::uint32_t>(n, 0) : count_samples(data, samples);
+  if (!samples.empty()) find_samples(data, samples, sheets);
   for (std::size_t i = 0; i < n; ++i) {
     if (data.supports[i].state == Support::constant) continue;
     std::uint32_t& k = number[sets.find(static_cast<std::uint32_t>(i))];
@@ -127,7 +127,7 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
     }
     sheets.of_support[i] = k;
     area[k] += static_cast<double>(data.supports[i].area);
-    found[k] += count[i];
+    if (!sheets.count.empty()) found[k] += sheets.count[i];
   }
   const std::vector<std::uint32_t> order = largest_first(area);
   std::vector<std::uint32_t> rank(area.size());

@@ -20,6 +20,8 @@ struct Sheets {
   std::vector<double> evidence;
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::size_t size() const { return area.size(); }
+  /// First of the samples in the block of each support, and number of these; empty without samples.
+  std::vector<std::uint32_t> first, count;
 };
 /// Sheets with less evidence are considered spurious.
 constexpr double kLeastEvidence = 0.25;

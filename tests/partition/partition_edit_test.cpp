@@ -72,7 +72,12 @@ TEST(SetDegree, LeavesAllOthersUntouchedAndTakesCreasesAway) {
     expect_sums(edited.data);
     EXPECT_EQ(edited.data.report.creased, f.data.report.creased - creased);
     for (const std::uint32_t i : chosen) {
-      EXPECT_EQ(edited.data.functions[i].degree, degree);
+      // Few samples do not determine a cubic.
+      const bool few = edited.data.supports[i].samples < 20;
+      if (degree < 3 || !few) {
+        EXPECT_EQ(edited.data.functions[i].degree, degree);
+      }
+      EXPECT_LE(edited.data.functions[i].degree, degree);
       EXPECT_EQ(edited.data.functions[i].next, 0);
     }
     for (const std::uint32_t i : others(f.data, chosen)) EXPECT_TRUE(same_support(edited.data, i, f.data, i)) << i;

