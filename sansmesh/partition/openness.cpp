@@ -82,19 +82,27 @@ double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> sheet)
 constexpr double kUncertain = 0.6, kCertain = 0.97;
 /// Neighbours for the area that a sample represents.
 constexpr std::size_t kNeighbours = 12;
-/// Depths behind the surface, in spacings of the samples; the largest number counts.
-constexpr std::array<float, 2> kSampleDepths{1.0f, 1.7f};
+/// Depth behind the surface, in local spacings of the samples: closer, single samples act instead of a surface.
+constexpr float kSampleDepth = 1;
 
-/// Patches of a sheet's samples. Neighbours that face away are on another sheet.
+/// Patches of a sheet's samples. Neighbours that face away are on another sheet. A sample on a border represents no
+/// more than its neighbours, although these are on one side of it only.
 std::vector<OrientedPatch> sample_patches(std::span<const Vec3f> positions, std::span<const Vec3f> normals) {
   const KdTree tree(positions);
   std::vector<OrientedPatch> patches(tree.size());
+  std::vector<float> area(tree.size());
   tree.for_each_nearest(kNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
-    const Vec3f& normal = normals[tree.order()[slot]];
     float beside = 0;
-    for (const Neighbour& other : found) beside += dot(normals[tree.order()[other.index]], normal) > 0;
-    const float area = std::numbers::pi_v<float> * found.back().squared_distance / std::max(1.0f, beside - 0.5f);
-    patches[slot] = {tree.position(slot), normal * (std::isfinite(area) ? area : 0)};
+    for (const Neighbour& other : found)
+      beside += dot(normals[tree.order()[other.index]], normals[tree.order()[slot]]) > 0;
+    const float disc = std::numbers::pi_v<float> * found.back().squared_distance / std::max(1.0f, beside - 0.5f);
+    area[slot] = std::isfinite(disc) ? disc : 0;
+  });
+  tree.for_each_nearest(kNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+    std::array<float, kNeighbours> around;
+    for (std::size_t k = 0; k < found.size(); ++k) around[k] = area[found[k].index];
+    std::nth_element(around.begin(), around.begin() + kNeighbours / 3, around.begin() + found.size());
+    patches[slot] = {tree.position(slot), normals[tree.order()[slot]] * std::min(area[slot], around[kNeighbours / 3])};
   });
   return patches;
 }
@@ -108,20 +116,18 @@ double mean_behind_samples(const GlobalSign& sign, std::span<const OrientedPatch
       const OrientedPatch& patch = samples[i * stride];
       const float size = norm(patch.area);
       if (!(size > 0)) continue;
-      for (const float depth : kSampleDepths) {
-        const Vec3f step = patch.area * (depth * std::sqrt(size) / size);
-        const std::array<Vec3f, 2> x{patch.position - step, patch.position + step};
-        std::array<float, 2> w;
-        sign.winding_number(x, w);
-        if (depth == kSampleDepths[0] || static_cast<double>(w[0]) > behind[i])
-          behind[i] = static_cast<double>(w[0]), jump[i] = static_cast<double>(w[0] - w[1]);
-      }
+      const Vec3f step = patch.area * (kSampleDepth * std::sqrt(size) / size);
+      const std::array<Vec3f, 2> x{patch.position - step, patch.position + step};
+      std::array<float, 2> w;
+      sign.winding_number(x, w);
+      behind[i] = static_cast<double>(w[0]), jump[i] = static_cast<double>(w[0] - w[1]);
       area[i] = static_cast<double>(size);
     }
   });
   double all_behind = 0, all_jump = 0, all = 0;
   for (std::size_t i = 0; i < n; ++i) all_behind += area[i] * behind[i], all_jump += area[i] * jump[i], all += area[i];
-  return all_jump > kLeastJump * all ? all_behind / all_jump : 0;
+  // Samples this close act less than a surface, alike on both sides: the mean of the sides is that of the others.
+  return all_jump > kLeastJump * all ? 0.5 + (all_behind - 0.5 * all_jump) / all : 0;
 }
 
 /// mean_behind of one sheet from the samples in the blocks of its supports.
@@ -138,8 +144,8 @@ double mean_behind_samples(const Sheets& sheets, std::size_t sheet, std::span<co
 
 }  // namespace
 
-void decide_open(std::optional<bool> open, std::span<const Vec3f> samples,
-                 std::span<const Vec3f> normals, PartitionData& data) {
+void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, std::span<const Vec3f> normals,
+                 PartitionData& data) {
   const std::size_t n = data.supports.size();
   std::vector<OrientedPatch> patches = support_patches(data);
   for (OrientedPatch& p : patches) p.least = 0;

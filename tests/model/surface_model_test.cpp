@@ -149,12 +149,12 @@ TEST_P(EverySurface, DoesNotDependOnPlaceAndUnit) {
     moved.origin = {1e6, -1e6, 3e6};
     ReconstructReport report;
     const TriangleMesh other = mesh_of(moved, named(GetParam()), &report);
-    // Powers of two change nothing; other factors round, and a vertex may move across a decision boundary.
+    // Powers of two change nothing; other factors change the size of the blocks by up to a fifth.
     if (unit == 1024) {
       ASSERT_EQ(other.triangles, one.triangles);
     } else {
       EXPECT_NEAR(static_cast<double>(other.vertices.size()), static_cast<double>(one.vertices.size()),
-                  0.03 * static_cast<double>(one.vertices.size()));
+                  0.1 * static_cast<double>(one.vertices.size()));
     }
     EXPECT_TRUE(measure_topology(other).closed());
     double worst = 0;
