@@ -60,11 +60,14 @@ constexpr int kWindingPolish = 4;
 /// Relative variances of the winding number above which the signs of a closed part, or of a part that seems open, are
 /// doubtful.
 constexpr double kClosedError = 0.1, kSheetError = 0.3;
-/// Signs are replaced if the relative variance falls below this factor, unless the contradictions between neighbours
-/// exceed a share or a multiple of the former ones. A part that seems open is closed only if it falls by the third
-/// factor, as for the two sides of a plate, with at most this increase of contradictions.
-constexpr double kImproves = 0.99, kLeastTolerated = 0.004, kTolerated = 20;
-constexpr double kCloses = 0.3, kContradictionOfSheets = 0.01;
+/// Signs of a closed part are replaced if the relative variance falls below the first factor, unless the contradictions
+/// between neighbours exceed a share, a cut of this length (1: the edge of the square with the area of the part), or a
+/// multiple of the former ones. Smooth open sheets have none before, and would be folded.
+constexpr double kImproves = 0.985, kLeastTolerated = 0.004, kToleratedCut = 0.3, kTolerated = 8;
+/// The multiple is larger if the relative variance falls from this value below this factor: one of two touching balls.
+constexpr double kWrongError = 0.6, kCloses = 0.25, kToleratedByFar = 25;
+/// Close sheets become the two sides of a plate below this relative variance, without longer cuts.
+constexpr double kPlateError = 0.1, kLongestCut = 1;
 
 /// Directions from the samples of a graph to the sensor, and an extra node that represents it: samples that agree with
 /// this node face the sensor.
@@ -283,39 +286,69 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
   }
 }
 
-/// Weighted share of the edges within each part that contradict these signs.
-std::vector<double> contradictions(const RelationGraph& graph, const Parts& parts, std::span<const std::int8_t> sign) {
-  std::vector<double> against(parts.count), all(parts.count);
-  for (std::size_t s = 0; s < graph.size(); ++s)
+/// Weighted share of the edges of a part that contradict its signs.
+struct Contradictions {
+  double all = 0;
+  double sure = 0;  ///< the reliable edges among them, times `edge`: the length of cuts through smooth sheets
+  double edge = 0;  ///< root of the number of samples
+};
+
+std::vector<Contradictions> contradictions(const RelationGraph& graph, const Parts& parts,
+                                           std::span<const std::int8_t> sign) {
+  std::vector<Contradictions> against(parts.count);
+  std::vector<double> weight(parts.count), members(parts.count);
+  for (std::size_t s = 0; s < graph.size(); ++s) {
+    const std::uint32_t p = parts.part[s];
+    ++members[p];
     for (std::size_t k = 0; k < graph.degree(); ++k) {
-      const double r = graph.relation_to(s, k);
-      const bool opposite = sign[s] != sign[graph.neighbour(s, k)];
-      all[parts.part[s]] += r * r;
-      if (opposite ? r > 0 : r < 0) against[parts.part[s]] += r * r;
+      const int r = graph.relation_to(s, k);
+      const double w = static_cast<double>(r) * r;
+      weight[p] += w;
+      if (sign[s] != sign[graph.neighbour(s, k)] ? r <= 0 : r >= 0) continue;
+      against[p].all += w;
+      if (std::abs(r) >= kSure[1]) against[p].sure += w;
     }
-  for (std::size_t p = 0; p < parts.count; ++p) against[p] = all[p] > 0 ? against[p] / all[p] : 0;
+  }
+  for (std::size_t p = 0; p < parts.count; ++p) {
+    against[p].edge = std::sqrt(members[p]);
+    if (!(weight[p] > 0)) continue;
+    against[p].all /= weight[p];
+    against[p].sure *= against[p].edge / weight[p];
+  }
   return against;
 }
 
-/// Part whose signs may be improved by winding numbers.
+/// State of a part's signs.
+struct Consistency {
+  Contradictions neighbours;
+  double error = 0;  ///< relative variance of the winding number
+};
+
+/// Part whose signs winding numbers may improve.
 struct DoubtfulPart {
   std::uint32_t part;
-  double error;  ///< with the present signs
+  Consistency before;
   detail::WindingSides sides;
 };
 
-bool may_improve(bool open, double contradiction, double error) {
-  return open ? error > kSheetError : contradiction > 1 - kNoContradiction || error > kClosedError;
+bool may_improve(bool open, const Consistency& now) {
+  return open ? now.error > kSheetError : now.neighbours.all > 1 - kNoContradiction || now.error > kClosedError;
 }
 
-bool improves(bool open, double contradiction, double error, double contradiction_then, double error_then) {
-  if (open) return error_then < kCloses * error && contradiction_then < contradiction + kContradictionOfSheets;
-  return error_then < kImproves * error && contradiction_then < std::max(kLeastTolerated, kTolerated * contradiction);
+bool improves(bool open, bool close_sheets, const Consistency& before, const Consistency& then) {
+  const Contradictions &now = before.neighbours, &later = then.neighbours;
+  // Neighbours agree across a plate of two spacings.
+  if (close_sheets && before.error > kSheetError && then.error < kPlateError && later.sure < kLongestCut) return true;
+  if (open || then.error >= kImproves * before.error) return false;
+  const bool by_far = before.error > kWrongError && then.error < kCloses * before.error;
+  return later.all < std::max(std::min(kLeastTolerated, kToleratedCut / later.edge),
+                              (by_far ? kToleratedByFar : kTolerated) * now.all);
 }
 
 /// Parts with contradictions between neighbours or in the winding number, the largest first, within a budget of nodes.
 std::vector<DoubtfulPart> doubtful_parts(const RelationGraph& graph, const Parts& parts,
-                                         std::span<const std::int8_t> sign, std::span<const double> contradiction) {
+                                         std::span<const std::int8_t> sign,
+                                         std::span<const Contradictions> neighbours) {
   std::vector<std::vector<std::uint32_t>> members(parts.count);
   for (std::size_t s = 0; s < graph.size(); ++s) members[parts.part[s]].push_back(static_cast<std::uint32_t>(s));
   std::vector<std::uint32_t> order;
@@ -333,8 +366,8 @@ std::vector<DoubtfulPart> doubtful_parts(const RelationGraph& graph, const Parts
     nodes += members[p].size() / own_step;
     if (nodes > 2 * kWindingNodes) break;
     detail::WindingSides sides(graph, members[p], own_step);
-    const double error = sides.error(sign);
-    if (may_improve(parts.open[p] != 0, contradiction[p], error)) doubtful.push_back({p, error, std::move(sides)});
+    const Consistency now{neighbours[p], sides.error(sign)};
+    if (may_improve(parts.open[p] != 0, now)) doubtful.push_back({p, now, std::move(sides)});
   }
   return doubtful;
 }
@@ -346,8 +379,7 @@ void settle_by_winding(const RelationGraph& graph, Parts& parts) {
   std::vector<std::int8_t> before(n);
   for (std::size_t s = 0; s < n; ++s)
     before[s] = static_cast<std::int8_t>(parts.outwardness[parts.part[s]] < 0 ? -parts.sign[s] : parts.sign[s]);
-  const std::vector<double> contradiction = contradictions(graph, parts, before);
-  const std::vector<DoubtfulPart> doubtful = doubtful_parts(graph, parts, before, contradiction);
+  const std::vector<DoubtfulPart> doubtful = doubtful_parts(graph, parts, before, contradictions(graph, parts, before));
   if (doubtful.empty()) return;
 
   // A further node for each part represents its outside.
@@ -387,10 +419,10 @@ void settle_by_winding(const RelationGraph& graph, Parts& parts) {
       if (vote * last[s] < 0) sign[s] = static_cast<std::int8_t>(-last[s]);
     });
   }
-  const std::vector<double> contradiction_then = contradictions(graph, parts, sign);
+  const std::vector<Contradictions> neighbours = contradictions(graph, parts, sign);
   for (const DoubtfulPart& of : doubtful) {
     const std::uint32_t p = of.part;
-    asked[p] = improves(parts.open[p] != 0, contradiction[p], of.error, contradiction_then[p], of.sides.error(sign));
+    asked[p] = improves(parts.open[p] != 0, graph.has_close_sheets(), of.before, {neighbours[p], of.sides.error(sign)});
     if (asked[p]) parts.outwardness[p] = 1, parts.open[p] = 0;
   }
   for (std::size_t s = 0; s < n; ++s)

@@ -60,6 +60,7 @@ RelationGraph::RelationGraph(const KdTree& tree, std::span<const Vec3f> normals,
   relations_.resize(n * degree_);
   parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
   noise_ = within_sheet(noise);
+  close_sheets_ = noise_ < noise;
   const auto unseen = static_cast<float>(noise_ == noise ? kUnseen * noise : kUnseenWithin * noise_);
   tree_.for_each_nearest(degree_ + 1, [&](std::uint32_t s, std::span<const Neighbour> found) {
     std::size_t count = 0;

@@ -32,6 +32,8 @@ class RelationGraph {
   double agreement(std::span<const std::int8_t> sign) const;
   /// Noise (length) within a sheet: the given one unless the nearest neighbours contradict it.
   double noise() const { return noise_; }
+  /// Whether wide neighbourhoods mistake sheets close to each other for noise.
+  bool has_close_sheets() const { return close_sheets_; }
   const KdTree& tree() const { return tree_; }
   const std::vector<Vec3f>& positions() const { return positions_; }
   const std::vector<Vec3f>& normals() const { return normals_; }
@@ -47,6 +49,7 @@ class RelationGraph {
   const KdTree& tree_;
   std::size_t degree_;
   double noise_ = 0;
+  bool close_sheets_ = false;
   std::vector<Vec3f> positions_, normals_;
   std::vector<float> area_;
   std::vector<std::uint32_t> neighbours_;
