@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "sansmesh/core/median.h"
-#include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
