@@ -13,7 +13,7 @@ namespace {
 /// Unit sphere in tree order.
 std::vector<Vec3f> sphere(std::size_t n) { return KdTree(sample_sphere(n, 1, 0, 1).positions).positions(); }
 
-TEST(WindingSums, AreThoseOfAllPairs) {
+TEST(WindingSums, AreThoseOfAllPairsWithinFourPercent) {
   for (const std::size_t n : {std::size_t{1}, std::size_t{7}, std::size_t{8}, std::size_t{9}, std::size_t{700}}) {
     const std::vector<Vec3f> nodes = sphere(n);
     const WindingSums sums(nodes);
@@ -33,9 +33,9 @@ TEST(WindingSums, AreThoseOfAllPairs) {
         w += dot(d, a) / r3, gradient += (a - d * (3 * dot(d, a) / r2)) / r3, sum -= d / r3;
       }
       const auto all = static_cast<double>(n);
-      EXPECT_NEAR(static_cast<double>(winding[i]), w, 0.02 * all / (4 * std::numbers::pi));
-      EXPECT_LT(norm(Vec3(outward[i]) - gradient), 0.02 * norm(gradient) + 1e-4);
-      EXPECT_LT(norm(Vec3(transposed[i]) - sum), 0.02 * all / (4 * std::numbers::pi));
+      EXPECT_NEAR(static_cast<double>(winding[i]), w, 0.04 * all / (4 * std::numbers::pi));
+      EXPECT_LT(norm(Vec3(outward[i]) - gradient), 0.04 * norm(gradient) + 1e-4);
+      EXPECT_LT(norm(Vec3(transposed[i]) - sum), 0.04 * all / (4 * std::numbers::pi));
     }
   }
 }
@@ -46,10 +46,10 @@ TEST(WindingSums, OfAClosedSurfaceAreAHalf) {
   std::vector<Vec3f> area(n);
   for (std::size_t i = 0; i < n; ++i) area[i] = nodes[i] * (4 * std::numbers::pi_v<float> / static_cast<float>(n));
   std::vector<float> winding(n);
-  WindingSums(nodes).winding(area, 0.1f, winding);
+  WindingSums(nodes).winding(area, 0.05f, winding);
   double mean = 0;
   for (const float w : winding) mean += static_cast<double>(w) / static_cast<double>(n);
-  EXPECT_NEAR(mean, 0.5, 0.05);
+  EXPECT_NEAR(mean, 0.5, 0.05) << "the smoothing takes half the width over the radius";
 }
 
 }  // namespace
