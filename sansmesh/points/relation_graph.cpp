@@ -59,8 +59,9 @@ RelationGraph::RelationGraph(const KdTree& tree, std::span<const Vec3f> normals,
   neighbours_.resize(n * degree_);
   relations_.resize(n * degree_);
   parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
-  const double within = within_sheet(noise);
-  const auto unseen = static_cast<float>(within == noise ? kUnseen * noise : kUnseenWithin * within);
+  noise_ = within_sheet(noise);
+  close_sheets_ = noise_ < noise;
+  const auto unseen = static_cast<float>(noise_ == noise ? kUnseen * noise : kUnseenWithin * noise_);
   tree_.for_each_nearest(degree_ + 1, [&](std::uint32_t s, std::span<const Neighbour> found) {
     std::size_t count = 0;
     for (const Neighbour& neighbour : found) {
@@ -160,11 +161,10 @@ void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
   forest.flatten();
 }
 
-void join_by_votes(const RelationGraph& graph, SignForest& forest) {
+void join_by_votes(const RelationGraph& graph, SignForest& forest, std::vector<SignVote> votes) {
   const auto between = [&](std::size_t s, std::size_t k) {
     return forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
   };
-  std::vector<SignVote> votes;
   visit_edges(graph, between, [&](const RelationEdge& e) {
     const std::int64_t r = graph.relation_to(e.sample, e.rank);
     votes.push_back({e.sample, graph.neighbour(e.sample, e.rank), r * std::abs(r)});

@@ -30,6 +30,10 @@ class RelationGraph {
   double agreement() const;
   /// Same, with the normals multiplied by these signs.
   double agreement(std::span<const std::int8_t> sign) const;
+  /// Noise (length) within a sheet: the given one unless the nearest neighbours contradict it.
+  double noise() const { return noise_; }
+  /// Whether wide neighbourhoods mistake sheets close to each other for noise.
+  bool has_close_sheets() const { return close_sheets_; }
   const KdTree& tree() const { return tree_; }
   const std::vector<Vec3f>& positions() const { return positions_; }
   const std::vector<Vec3f>& normals() const { return normals_; }
@@ -44,6 +48,8 @@ class RelationGraph {
 
   const KdTree& tree_;
   std::size_t degree_;
+  double noise_ = 0;
+  bool close_sheets_ = false;
   std::vector<Vec3f> positions_, normals_;
   std::vector<float> area_;
   std::vector<std::uint32_t> neighbours_;
@@ -80,7 +86,7 @@ void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, st
 /// already joined, which all threads detect in parallel.
 void join_sure(const RelationGraph& graph, SignForest& forest, int sure);
 
-/// Joins the remaining sets of a flat forest by the votes of all edges between them (`contract`).
-void join_by_votes(const RelationGraph& graph, SignForest& forest);
+/// Joins the remaining sets of a flat forest by the votes of all edges between them, and further ones (`contract`).
+void join_by_votes(const RelationGraph& graph, SignForest& forest, std::vector<SignVote> votes = {});
 
 }  // namespace sansmesh::inline v1::detail
