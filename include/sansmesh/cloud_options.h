@@ -65,8 +65,9 @@ struct SANSMESH_API CloudPreparation {
   OrientBy orient_by = OrientBy::automatic;
   /// Align slightly misregistered scans (docs/methods/registration.md). If false, a warning reports misaligned scans.
   bool align = false;
-  /// Remove samples off the surface, with a warning that states their number.
-  bool remove_outliers = false;
+  /// Remove samples off the surface, with a warning that states their number. Default: `reconstruct` and `fit_function`
+  /// remove them where they are clearly clutter (docs/methods/points.md), other jobs keep them.
+  std::optional<bool> remove_outliers = {};
   /// Keep only points of these classes; applied first.
   std::optional<PointClasses> classes = {};
 

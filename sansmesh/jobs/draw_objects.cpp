@@ -128,7 +128,7 @@ class ObjectScene {
     ObjectKind kind = ObjectKind::mesh;
     PointSet& points = object.points;
     if (points.triangles.empty()) kind = object.lines.size() > 0 ? ObjectKind::lines : ObjectKind::points;
-    if (kind == ObjectKind::points && o_.cloud.remove_outliers)
+    if (kind == ObjectKind::points && o_.cloud.remove_outliers.value_or(false))
       leave_out_outliers(points, object.name, result_.notes, progress_);
     const bool curved = objects_ == 1 && wants_curvature(o_.look.picture), lines = kind == ObjectKind::lines;
     if (curved && !lines) curvature = curvature_of_samples(points, o_.cloud, progress_);

@@ -18,7 +18,7 @@ const OptionSchema& FitFunctionOptions::schema() {
 
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress) {
   options.validate();
-  PreparedCloud cloud = prepare_cloud(std::move(points), options.cloud, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(points), options.cloud, progress, ClutterUse::leave_out);
   FitFunctionReport report{cloud.estimated_normals, cloud.oriented_by, cloud.alignment};
   FittedFunction function = fit_surface_function(std::move(cloud), options.fit, progress);
   std::vector<Note> notes;

@@ -26,7 +26,7 @@ void check_meshless(const PictureOptions& o, bool function, bool meshless) {
   const SurfaceRenderOptions& s = o.look;
   if (function && o.surface)
     throw ArgumentError("`surface` is for samples: the surface of a function file is the function");
-  if (function && o.cloud.remove_outliers)
+  if (function && o.cloud.remove_outliers.value_or(false))
     throw ArgumentError("`remove_outliers` is for samples: the input is a function");
   if (meshless)
     refuse({{"smooth = false", !s.picture.look.smooth},
@@ -95,9 +95,9 @@ void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) 
             {"wireframe", o.look.picture.look.wireframe != PictureLook::Wireframe::none}},
            "is for meshes: there are no triangles");
   if (none({ObjectKind::points}))
-    refuse(
-        {{"point_radius", o.look.picture.look.point_radius.has_value()}, {"remove_outliers", o.cloud.remove_outliers}},
-        "is for points, and there are only meshes");
+    refuse({{"point_radius", o.look.picture.look.point_radius.has_value()},
+            {"remove_outliers", o.cloud.remove_outliers.value_or(false)}},
+           "is for points, and there are only meshes");
 }
 
 }  // namespace sansmesh::inline v1

@@ -52,7 +52,7 @@ void check_lop(const ProjectOptions& o, bool onto) {
   const char* const what = "it uses the input points, without a surface";
   check(!onto, "onto", what);
   if (const auto set = options_set(o.surface); !set.empty()) check(false, set.front(), what);
-  check(!o.cloud.remove_outliers, "remove_outliers", "stray samples hardly affect it");
+  check(!o.cloud.remove_outliers.value_or(false), "remove_outliers", "stray samples hardly affect it");
   if (const auto set = options_set(o.steps); !set.empty()) check(false, set.front(), what);
 }
 

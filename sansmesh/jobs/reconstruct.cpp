@@ -35,7 +35,7 @@ constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 constexpr const char* kKeepAll = "; `components = all` keeps every part";
 
 PreparedCloud prepare(PointSet points, const CloudPreparation& use, Progress& progress, ReconstructReport& r) {
-  PreparedCloud cloud = prepare_cloud(std::move(points), use, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(points), use, progress, ClutterUse::leave_out);
   r.estimated_normals = cloud.estimated_normals;
   r.oriented_by = cloud.oriented_by;
   r.alignment = cloud.alignment;

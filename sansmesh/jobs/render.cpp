@@ -91,7 +91,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
   PointSet& points = object.points;
   check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh}, o);
   with_name(object.name, [&] {
-    if (o.cloud.remove_outliers) leave_out_outliers(points, object.name, result.notes, progress);
+    if (o.cloud.remove_outliers.value_or(false)) leave_out_outliers(points, object.name, result.notes, progress);
     RenderOptions picture = o.look.picture;
     if (wants_curvature(picture)) picture.look.curvature = curvature_of_samples(points, o.cloud, progress);
     TriangleMesh mesh = to_mesh(std::move(points));

@@ -29,7 +29,11 @@ constexpr OptionRow kRows[] = {
     option<&CloudPreparation::orient_by>(
         {.text = "Source of the signs of normals (auto: the first known one)", .choices = kOrientByWords}),
     option<&CloudPreparation::align>({.text = "Align slightly misregistered scans"}),
-    option<&CloudPreparation::remove_outliers>({.text = "Remove stray samples, which belong to no surface"}),
+    option<&CloudPreparation::remove_outliers>(
+        {.text = "Remove stray samples, which belong to no surface",
+         .from_data = "reconstruct, fit: clear clutter",
+         .negative = "keep_outliers",
+         .negative_text = "Keep stray samples, also where they are clearly clutter"}),
     option<&CloudPreparation::classes, ClassWords>(
         {.text = "Only points of these comma-separated classes: names (ground, building) or numbers (2, 3-5)",
          .unit = "classes",

@@ -12,6 +12,8 @@
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/face_shape.h"
+#include "sansmesh/points/flight_lines.h"
+#include "sansmesh/points/height_field.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -250,19 +252,65 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   return result;
 }
 
-PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress) {
+namespace {
+
+/// Share of outliers from which they are clutter. Fewer have little weight in fits, and clean or noisy clouds have up
+/// to 0.16 % of samples that look like outliers. In later rounds, share that ends the search.
+constexpr double kClutter = 0.003, kLittleClutter = 0.001;
+/// Rounds of the search: where clutter is as dense as the surface, outliers of one round hide those of the next.
+constexpr int kClutterRounds = 4;
+/// Above twice this number of samples, so many decide whether there is clutter.
+constexpr std::size_t kPilotSamples = 100000;
+
+/// Whether clutter could be part of the scene: surveys and depth frames also see twigs, wires and grass.
+bool sees_thin_things(const PointSet& points) {
+  if (points.of_faces || !points.grid_normals.empty()) return true;
+  return is_height_field(measure_height_field(points, estimate_noise(points)), is_survey_from_above(points));
+}
+
+double outlier_share(const PointSet& points) {
+  Progress silent;
+  const std::vector<std::uint8_t> mask = find_outliers(points, {}, silent);
+  return static_cast<double>(std::count(mask.begin(), mask.end(), std::uint8_t{1})) / static_cast<double>(mask.size());
+}
+
+/// Whether every so many-th sample shows clutter; always for small clouds.
+bool pilot_shows_clutter(const PointSet& points) {
+  const std::size_t step = points.size() / kPilotSamples;
+  if (step < 2) return true;
+  PointSet some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.positions.push_back(points.positions[i]);
+  return outlier_share(some) >= 0.5 * kClutter;
+}
+
+/// Removes outliers, if requested or if they are clearly clutter.
+void leave_out_outliers(PreparedCloud& cloud, std::optional<bool> asked, ClutterUse clutter, Progress& progress) {
+  if (!asked.value_or(clutter == ClutterUse::leave_out)) return;
+  PointSet& points = cloud.points;
+  progress.begin("find outliers");
+  if (!asked && !pilot_shows_clutter(points)) return;
+  std::size_t left_out = 0;
+  for (int round = 0; round < (asked ? 1 : kClutterRounds); ++round) {
+    const std::vector<std::uint8_t> outliers = find_outliers(points, {}, progress);
+    const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
+    const double share = static_cast<double>(count) / static_cast<double>(points.size());
+    if (count == 0 || (!asked && share < (round == 0 ? kClutter : kLittleClutter))) break;
+    if (!asked && round == 0 && sees_thin_things(points)) return;
+    remove_samples(points, outliers);
+    left_out += count;
+  }
+  if (left_out == 0) return;
+  check_shape(points, cloud.frame.to_input(1.0));
+  cloud.warnings.push_back(counted(left_out, "sample") + " left out: belong to no surface" +
+                           (asked ? "" : " (`keep_outliers` keeps them)"));
+}
+
+}  // namespace
+
+PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress, ClutterUse clutter) {
   if (use.classes) keep_classes(points, *use.classes);
   PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
-  if (use.remove_outliers) {
-    progress.begin("find outliers");
-    const std::vector<std::uint8_t> outliers = find_outliers(result.points, {}, progress);
-    const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
-    if (count > 0) {
-      remove_samples(result.points, outliers);
-      check_shape(result.points, result.frame.to_input(1.0));
-      result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
-    }
-  }
+  leave_out_outliers(result, use.remove_outliers, clutter, progress);
   prepare_normals(result, use, progress);
   if (align_scans(result, use.align, progress)) {
     result.noise.reset(), result.spacing.reset();

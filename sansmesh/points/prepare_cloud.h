@@ -33,10 +33,14 @@ struct PreparedCloud {
 /// Throws DataError if the points are unusable (fewer than 9, all coincident, collinear or coplanar).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
+/// Samples that clearly belong to no surface, if `remove_outliers` is not set.
+enum class ClutterUse { keep, leave_out };
+
 /// Complete preparation. Given normals that agree with their neighbours keep their signs, unless they point into a
 /// closed shape or away from the sensor. Throws DataError as prepare_positions and keep_classes; ArgumentError for
 /// `orient_by` together with normals as given.
-PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress);
+PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress,
+                            ClutterUse clutter = ClutterUse::keep);
 
 /// Sharpens estimated normals at creases (`denoise_normals`), for surfaces with creases. Estimation blurs creases;
 /// given normals may be exact, so they stay.

@@ -201,7 +201,7 @@ TEST_F(Commands, TrimOpensWhatHasNoData) {
   PointSet bowl = sphere(6000);
   std::vector<Vec3f> positions, normals;
   for (std::size_t i = 0; i < bowl.size(); ++i)
-    if (bowl.positions[i][2] < 0.3f) positions.push_back(bowl.positions[i]), normals.push_back(bowl.normals[i]);
+    if (bowl.positions[i][2] < 0.5f) positions.push_back(bowl.positions[i]), normals.push_back(bowl.normals[i]);
   bowl.positions = positions, bowl.normals = normals;
   write_points(path("bowl.ply"), bowl);
   ASSERT_EQ(run({"reconstruct", "bowl.ply", "-o", "closed.ply"}).code, 0);

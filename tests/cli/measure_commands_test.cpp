@@ -262,7 +262,7 @@ TEST_F(MeasureCommands, Functions) {
   const Json coarse = json_of({"section", "ball.smf", "--plane", "z=0.6", "--resolution", "32"});
   EXPECT_LT(coarse["planes"][0]["vertices"], cut["planes"][0]["vertices"]);
   EXPECT_NEAR(json_of({"compare", "mesh.ply", "ball.smf"})["distance"]["mean"].get<double>(), 0.02, 1e-3);
-  EXPECT_NEAR(json_of({"compare", "ball.smf", "mesh.ply"})["distance"]["mean"].get<double>(), -0.02, 2e-3);
+  EXPECT_NEAR(json_of({"compare", "ball.smf", "mesh.ply"})["distance"]["mean"].get<double>(), -0.02, 4e-3);
   EXPECT_NEAR(json_of({"measure", "ball.smf"})["whole"]["volume"].get<double>(), 4 * pi / 3, 0.02);
 }
 

@@ -192,7 +192,7 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
         differ += in && old[i] != now[i];
         if (!in) {
           // The far field changes slightly everywhere, and has a share where supports are thin.
-          ASSERT_NEAR(old[i], now[i], 2e-4 * size) << report.what;
+          ASSERT_NEAR(old[i], now[i], 5e-4 * size) << report.what;
         }
       }
       EXPECT_GT(outside, points.size() / 3) << size;

@@ -33,6 +33,7 @@ enum class CloudChange {
   stray,          ///< one sample a hundred diagonals away
   strays,         ///< ten samples up to a hundred diagonals away
   tripled,        ///< every sample three times
+  cluttered,      ///< 10 % more samples anywhere in the box
   second_object,  ///< a ball of 2000 samples beside it
 };
 
@@ -41,7 +42,7 @@ struct NamedChange {
   std::string_view name;
 };
 
-inline constexpr std::array<NamedChange, 14> kCloudChanges{{{CloudChange::none, "as it is"},
+inline constexpr std::array<NamedChange, 15> kCloudChanges{{{CloudChange::none, "as it is"},
                                                             {CloudChange::rotated, "rotated"},
                                                             {CloudChange::reflected, "reflected"},
                                                             {CloudChange::scaled, "scaled"},
@@ -54,6 +55,7 @@ inline constexpr std::array<NamedChange, 14> kCloudChanges{{{CloudChange::none, 
                                                             {CloudChange::stray, "stray"},
                                                             {CloudChange::strays, "ten strays"},
                                                             {CloudChange::tripled, "tripled"},
+                                                            {CloudChange::cluttered, "clutter"},
                                                             {CloudChange::second_object, "second object"}}};
 
 /// Rotation by 0.7 rad about (1, 2, 3).
@@ -122,6 +124,16 @@ class PerturbedCloud {
       case CloudChange::tripled: {
         const PointSet once = points;
         points = joined(joined(std::move(points), once), once);
+        break;
+      }
+      case CloudChange::cluttered: {
+        std::uniform_real_distribution<float> uniform(-0.6f, 0.6f);
+        const std::size_t count = points.size() / 10;
+        for (std::size_t k = 0; k < count; ++k) {
+          const Vec3f size = box.size(), at{uniform(random), uniform(random), uniform(random)};
+          points.positions.push_back(box.center() + Vec3f{size.x * at.x, size.y * at.y, size.z * at.z});
+          if (points.has_normals()) points.normals.push_back(direction());
+        }
         break;
       }
       case CloudChange::second_object:
