@@ -58,7 +58,8 @@ FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& optio
     sorted->of_faces = faces;
     return {std::move(paper), cloud.frame, std::move(sorted), {}, std::move(cloud.warnings), report};
   }
-  const PartitionOptions fit = partition_options(options, cloud.frame);
+  PartitionOptions fit = partition_options(options, cloud.frame);
+  if (!fit.open && cloud.closed_faces && cloud.points.of_faces) fit.open = false;
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   const bool of_faces = cloud.points.of_faces;
   auto samples = std::make_shared<PointSet>();

@@ -20,9 +20,14 @@ namespace {
 constexpr double kCubeMargin = 0.05;
 /// Corners of snapped cubes are multiples of their edge over this.
 constexpr double kCorners = 16;
-/// Offset of the corners from these multiples, in steps. Planes at coordinates that are round in binary, such as a
-/// plane of symmetry at 0, are at a third or two thirds of the blocks of every level, never on a side of them.
-constexpr double kOffset = 1.0 / 3;
+/// Offset of the corners from these multiples, in steps: a third, and two thirds of the steps twice and half as large,
+/// so that all lattices coincide. Planes at coordinates that are round in binary, such as a plane of symmetry at 0, are
+/// at a third or two thirds of the blocks of every level, never on a side of them.
+double corner_offset(double step) {
+  const auto octave = static_cast<long>(std::floor(std::log2(step) + 1e-6));
+  return octave % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+}
+
 /// Share of the samples outside each side of the box of most samples, and number of samples that suffices for it.
 constexpr double kOutside = 0.02;
 constexpr std::size_t kEnough = 100000;
@@ -126,9 +131,10 @@ void snap_root_cube(const Box3f& box, std::span<const Vec3f> positions, double c
   const double least = static_cast<double>(data.edge) / 1.1 * (1 + 2 * kCubeMargin) * kCorners / (kCorners - 1);
   const double unit = cell > 0 ? cell : 1;
   const double edge = unit * std::exp2(std::ceil(std::log2(least / unit))), step = edge / kCorners;
+  const double offset = corner_offset(step);
   for (std::size_t k = 0; k < 3; ++k) {
     const double centred = static_cast<double>(box.lower[k]) - 0.5 * (edge - static_cast<double>(box.size()[k]));
-    data.lower[k] = static_cast<float>(step * (std::round(centred / step - kOffset) + kOffset));
+    data.lower[k] = static_cast<float>(step * (std::round(centred / step - offset) + offset));
   }
   data.edge = static_cast<float>(edge);
 }

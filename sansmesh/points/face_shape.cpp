@@ -28,11 +28,14 @@ constexpr std::size_t kMostCavities = 1000;
 constexpr std::size_t kEnoughVertices = 1000;
 constexpr double kLongEdge = 5;        // in spacings of the vertices
 constexpr double kSparseShare = 0.05;  // largest share of the area in triangles with such edges
-constexpr double kThinShare = 0.03;    // largest share of the area with a near opposite side
+/// Largest share of the area with a near opposite side: of any mesh, and of a closed one, which bounds a solid.
+constexpr double kThinShare = 0.03, kThinShareOfClosed = 0.003;
 /// For meshes that are too thin: samples across the thickness of a completely thin mesh (fewer if less of it is thin,
 /// as they are distributed over all of it); least number of samples per vertex; and largest number per vertex of a
 /// large mesh.
 constexpr double kAcross = 8;
+/// For closed meshes: samples across the thickness, whatever the share of thin parts.
+constexpr double kAcrossClosed = 4;
 constexpr std::size_t kLeastOfVertex = 2, kMostOfVertex = 2;
 
 constexpr std::size_t kProbes = 4000;
@@ -52,8 +55,8 @@ float longest_edge(const PointSet& mesh, const Triangle& t) {
   return std::max({norm(b - a), norm(c - b), norm(a - c)});
 }
 
-/// Whether nearly every edge has two triangles, one in each direction.
-bool nearly_all_edges_match(const PointSet& mesh) {
+/// Share of the edges without two triangles, one in each direction; 1 without edges.
+double share_of_odd_edges(const PointSet& mesh) {
   // Stores each edge of each triangle under its lower end: the other end, and the direction in the lowest bit.
   std::vector<std::uint32_t> first(mesh.size() + 1, 0);
   const auto each_edge = [&](const auto& visit) {
@@ -79,7 +82,7 @@ bool nearly_all_edges_match(const PointSet& mesh) {
       odd += !(at - from == 2 && from[0] % 2 == 0 && from[1] % 2 == 1);
     }
   }
-  return edges > 0 && static_cast<double>(odd) <= kOddEdges * static_cast<double>(edges);
+  return edges > 0 ? static_cast<double>(odd) / static_cast<double>(edges) : 1;
 }
 
 struct Part {
@@ -141,7 +144,7 @@ bool is_dense(const PointSet& mesh, const Density& d) {
 }  // namespace
 
 FaceSides face_sides(const PointSet& mesh) {
-  if (mesh.triangles.empty() || !nearly_all_edges_match(mesh)) return FaceSides::unknown;
+  if (mesh.triangles.empty() || share_of_odd_edges(mesh) > kOddEdges) return FaceSides::unknown;
   std::vector<Part> parts = find_parts(mesh);
   double total = 0;
   for (const Part& p : parts) total += p.volume;
@@ -191,6 +194,8 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest) {
   return {share, static_cast<double>(median(thin))};
 }
 
+bool faces_are_closed(const PointSet& mesh) { return share_of_odd_edges(mesh) == 0; }
+
 bool vertices_are_dense(const PointSet& mesh) { return is_dense(mesh, measure_density(mesh)); }
 
 std::size_t face_samples_wanted(const PointSet& mesh) {
@@ -198,9 +203,11 @@ std::size_t face_samples_wanted(const PointSet& mesh) {
   if (!is_dense(mesh, density)) return kFaceSamples;
   if (!(density.area > 0)) return 0;
   const ThinParts thin = find_thin_parts(mesh, density.limit);
-  if (thin.share <= kThinShare) return 0;
+  const bool closed = thin.share > kThinShareOfClosed && faces_are_closed(mesh);
+  if (thin.share <= (closed ? kThinShareOfClosed : kThinShare)) return 0;
   const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
-  const double spacing = thin.thickness / (kAcross * thin.share);
+  // The thin parts of a solid are joined by handles, however small their share.
+  const double spacing = thin.thickness / (closed ? kAcrossClosed : kAcross * thin.share);
   const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + density.area / (spacing * spacing);
   return index_in<std::size_t>(wanted, 0, most);
 }

@@ -33,6 +33,9 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest);
 /// Number of face samples if the vertices do not determine it.
 constexpr std::size_t kFaceSamples = 400000;
 
+/// Whether every edge has two triangles of opposite direction: the faces bound solids.
+bool faces_are_closed(const PointSet& mesh);
+
 /// Whether the vertices sample the faces completely, as in meshed scans but not in CAD models and polygon soups: at
 /// least 1000 vertices, and nearly all of the area in triangles with edges short against the mean spacing of the
 /// vertices.
@@ -41,7 +44,7 @@ bool vertices_are_dense(const PointSet& mesh);
 /// Number of face samples required to describe a mesh, or 0 if its vertices suffice: they are dense, and hardly any
 /// area is so thin that vertices of the other side are equally close (`find_thin_parts`). For a mesh that is only too
 /// thin: enough samples for a spacing of a fraction of its thickness, at least two per vertex and at most the larger of
-/// `kFaceSamples` and two per vertex.
+/// `kFaceSamples` and two per vertex. A closed mesh counts as thin from a smaller share of its area on.
 std::size_t face_samples_wanted(const PointSet& mesh);
 
 }  // namespace sansmesh::inline v1

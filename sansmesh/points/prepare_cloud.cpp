@@ -243,6 +243,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   PreparedCloud result;
   progress.begin("check samples");
   clean(points, result.warnings);
+  result.closed_faces = faces != FaceUse::ignore && !points.triangles.empty() && faces_are_closed(points);
   result.face_sides = use_faces(points, faces, result.warnings);
   check_shape(points, 1, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();

@@ -20,6 +20,8 @@ struct PreparedCloud {
   bool estimated_normals = false;  ///< normals were missing or ignored
   /// Orientation of faces if normals come from faces that bound solids: exact, not estimated.
   FaceSides face_sides = FaceSides::unknown;
+  /// The samples are on faces that bound solids: their surface has no border.
+  bool closed_faces = false;
   /// Source of the signs of normals; absent if the input's signs were kept.
   std::optional<OrientBy> oriented_by = {};
   /// Noise and spacing of the points in local units, if they were estimated for the normals: saves another estimation.
