@@ -168,7 +168,8 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
     const std::uint32_t p = parts.part[s];
     bool flip = (parts.sign[s] < 0) != (parts.outwardness[p] < 0);
     if (parts.seen && p == *parts.seen) flip = (parts.sign[s] < 0) != (parts.seen_sign < 0);
-    if (flip) points.normals[graph.tree().order()[s]] = -graph.normals()[s];
+    Vec3f& normal = points.normals[graph.tree().order()[s]];
+    if (flip) normal = -normal;
   });
   progress.finish();
   return by;

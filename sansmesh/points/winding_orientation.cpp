@@ -78,6 +78,9 @@ struct DoubtfulPart {
   WindingSides sides;
 };
 
+/// Signs of a part that seems open change only where sheets are close to each other.
+bool has_sides(const RelationGraph& graph, bool open) { return !open || graph.has_close_sheets(); }
+
 bool may_improve(bool open, const Consistency& now) {
   return open ? now.error > kSheetError : now.neighbours.all > 1 - kNoContradiction || now.error > kClosedError;
 }
@@ -100,7 +103,7 @@ std::vector<DoubtfulPart> doubtful_parts(const RelationGraph& graph, const Parts
   for (std::size_t s = 0; s < graph.size(); ++s) members[parts.part[s]].push_back(static_cast<std::uint32_t>(s));
   std::vector<std::uint32_t> order;
   for (std::uint32_t p = 0; p < parts.count; ++p)
-    if (members[p].size() >= kFewestOfWinding) order.push_back(p);
+    if (members[p].size() >= kFewestOfWinding && has_sides(graph, parts.open[p] != 0)) order.push_back(p);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return members[a].size() != members[b].size() ? members[a].size() > members[b].size() : a < b;
   });
@@ -151,8 +154,9 @@ void settle_by_winding(const RelationGraph& graph, Parts& parts) {
   std::vector<std::int8_t> sign = before;
   for (std::uint32_t s = 0; s < n; ++s) {
     if (!asked[parts.part[s]]) continue;
-    const bool inward = forest.find(s).flip != forest.find(static_cast<std::uint32_t>(n + parts.part[s])).flip;
-    sign[s] = inward ? -1 : 1;
+    const SignForest::Root own = forest.find(s), outside = forest.find(static_cast<std::uint32_t>(n + parts.part[s]));
+    // A part without any outward direction has no votes for its outside.
+    if (own.index == outside.index) sign[s] = own.flip != outside.flip ? -1 : 1;
   }
   for (int round = 0; round < kWindingPolish; ++round) {
     const std::vector<std::int8_t> last = sign;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "points/shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/normals.h"
@@ -312,6 +315,26 @@ TEST(Orientation, ATerrainLooksUp) {
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_EQ(fraction_correct(points, truth), 1);
+}
+
+TEST(Orientation, NormalsThatAreNotFiniteHaveNoEffect) {
+  const PointSet ring = with_noise(sample_torus(4000, 1, 0.1f, 5), 0.03f, 6);
+  PointSet points = ring;
+  Progress progress;
+  estimate_normals(points, {}, progress);
+  // Neighbours alone decide wrongly; the winding number is a sum over many samples.
+  for (std::size_t i = 0; i < 20; ++i)
+    points.normals[i].y = i % 2 == 0 ? std::numeric_limits<float>::quiet_NaN() : INFINITY;
+  orient_normals(points, {}, progress);
+  EXPECT_GT(fraction_correct(points, ring.normals), 0.97);
+}
+
+TEST(Orientation, ZeroNormalsStayZero) {
+  PointSet points = sample_sphere(3000, 1, 0, 13);
+  points.normals.assign(points.size(), {});
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, std::vector<Vec3f>(points.size()));
 }
 
 TEST(Orientation, DoesNotDependOnTheNumberOfThreads) {
