@@ -225,7 +225,7 @@ double share_recovered(const PointSet& samples, OrientBy by = OrientBy::automati
 }
 
 TEST(Orientation, WindingNumbersDecideWhereNoiseIsAsThickAsTheShape) {
-  // Votes of neighbours have 67 to 84 % right, and change with the rotation.
+  // Votes of neighbours alone give 67 to 84 % right signs, depending on the rotation.
   const PointSet ring = with_noise(sample_torus(4000, 1, 0.1f, 5), 0.03f, 6);
   EXPECT_GT(share_recovered(ring), 0.975);
   PointSet turned = ring;
@@ -238,7 +238,7 @@ TEST(Orientation, WindingNumbersDecideWhereNoiseIsAsThickAsTheShape) {
   EXPECT_GT(share_recovered(ball_with_rods(1500, 0.045f, 31)), 0.97);
 }
 
-TEST(Orientation, OfTouchingBallsIsOutwardForBoth) {
+TEST(Orientation, BothOfTwoTouchingBallsFaceOutward) {
   PointSet points = sample_sphere(6000, 1, 0.05f, 1);
   append(points, sample_sphere(6000, 1, 0.05f, 2, {1.95f, 0, 0}));
   EXPECT_GT(share_recovered(points), 0.97);
@@ -252,7 +252,7 @@ TEST(Orientation, TheSidesOfNoisyPlatesOfTwoSpacingsFaceOutward) {
 }
 
 TEST(Orientation, SingleSheetsAreNotFolded) {
-  // Their winding number is more even with a cut at each slope.
+  // Their winding numbers would be more even with a cut at each slope.
   for (const float height : {0.1f, 0.4f}) {
     PointSet points;
     std::mt19937 random(15);
