@@ -27,7 +27,7 @@ struct Outcome {
   std::size_t parts = 0, boundary = 0, warnings = 0;
   std::optional<long> genus;
   double lost = 0, error = 0, cpu = 0;
-  std::string words;  ///< of a failure, or the warnings
+  std::string words;  ///< message of a failure, or the warnings
 };
 
 struct Subject {
@@ -78,7 +78,7 @@ bool differs(const Outcome& a, const Outcome& b, bool with_truth) {
 /// Options of the program; names of files and of changes.
 struct Request {
   std::vector<std::string> files, changes;
-  std::size_t samples = 20000;  ///< of the faces of a mesh; 0: the mesh itself
+  std::size_t samples = 20000;  ///< number on the faces of a mesh; 0: the mesh itself
   bool strip = false, talk = false;
   double noise = 0;    ///< share of the diagonal
   std::string folder;  ///< for all clouds and meshes; empty: none are written

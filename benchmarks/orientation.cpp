@@ -3,15 +3,15 @@
 //
 //   benchmark_orientation [--samples N] [--noise PERCENT] [--only TEXT] [--data FOLDER] [--closed]
 //
-// Wrong signs are counted against the true normal. Closed shapes have an outside; for open ones, the better of both
+// A sign is wrong if the normal points against the true one. Open shapes have no outside: there, the better of both
 // common signs counts. Noise: standard deviation of each coordinate, in % of the diagonal.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 #include <map>
+#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
@@ -43,7 +43,7 @@ struct Sums {
   int rows = 0, certain = 0, falsely_certain = 0;
 };
 
-/// Sums over the closed shapes for each number of samples and noise.
+/// Sums over the closed shapes, by number of samples and noise.
 std::map<std::pair<std::size_t, double>, Sums> sums;
 
 PointSet stripped(const PointSet& points) {
@@ -60,7 +60,7 @@ void add_noise(PointSet& points, double percent, unsigned seed) {
   for (Vec3f& p : points.positions) p += Vec3f{g(random), g(random), g(random)};
 }
 
-/// Wrong signs in % of a method that knows the surface: it takes the normal of the nearest sample without noise.
+/// Wrong signs, in %, of a method that knows the surface and takes the normal of the nearest sample without noise.
 double least_wrong(const PointSet& points, const PointSet& truth, const PointSet& exact) {
   const KdTree tree(exact.positions);
   std::size_t wrong = 0;
@@ -101,8 +101,8 @@ void measure(const std::string& name, const PointSet& truth, const PointSet& exa
   std::fflush(stdout);
   if (open) return;
   Sums& s = sums[{truth.size(), noise}];
-  s.wrong += percent, s.least += least, s.worst = std::max(s.worst, percent), s.normals += estimating.cpu,
-                                        s.orientation += orienting.cpu;
+  s.wrong += percent, s.least += least, s.worst = std::max(s.worst, percent);
+  s.normals += estimating.cpu, s.orientation += orienting.cpu;
   ++s.rows, s.certain += report.certain(), s.falsely_certain += report.certain() && percent > 5;
 }
 
@@ -195,7 +195,7 @@ int main(int argc, char** argv) {
     PointSet mesh = read_points((std::filesystem::path(options.data) / file).string());
     if (face_sides(mesh) == FaceSides::inward)
       for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
-    if (face_sides(mesh) != FaceSides::outward) std::printf("| %s: its faces bound no solid |\n", name);
+    if (face_sides(mesh) != FaceSides::outward) std::printf("| %s: its faces do not bound a solid |\n", name);
     const PointSet exact = sample_faces(mesh, 100000);
     for (const std::size_t n : options.samples)
       for (const double noise : options.noise) measure(name, samples_of(mesh, n, noise), exact, noise, false);
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
     for (const double thickness : {2.0, 3.0})
       if (const std::string name = "plate " + std::to_string(static_cast<int>(thickness)); wanted(name))
         for (const double noise : {0.0, 0.2}) {
-          // Noise of the plates in spacings; the thickness is one too.
+          // `noise` is in spacings, as the thickness.
           const PointSet exact = plate(n, thickness);
           PointSet points = exact;
           add_noise(points, 100 * noise * std::sqrt(2 / static_cast<double>(n)) / std::numbers::sqrt2, 5);

@@ -40,8 +40,8 @@ struct OrientationOptions {
 /// first within smooth patches, then between patches by the vote of all connecting edges, with the rule of [koenig2009]
 /// across creases. Samples that clearly face the sensor or clearly face away are fixed from the start; parts without
 /// such samples are oriented by their extremal points and volume, and doubtful ones by winding numbers [wnnc2024]. Zero
-/// normals stay zero. Returns the source of the signs. Throws DataError if there are no normals, or the source
-/// `options.by` is unknown.
+/// normals stay zero, and those that are not finite have no effect. Returns the source of the signs. Throws DataError
+/// if there are no normals, or the source `options.by` is unknown.
 OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress);
 
 /// Same, with an existing tree of the positions.

@@ -58,7 +58,10 @@ RelationGraph::RelationGraph(const KdTree& tree, std::span<const Vec3f> normals,
   area_.resize(n);
   neighbours_.resize(n * degree_);
   relations_.resize(n * degree_);
-  parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
+  parallel_for(0, n, 16384, [&](std::size_t s) {
+    const Vec3f& normal = normals[tree_.order()[s]];
+    normals_[s] = is_finite(normal) ? normal : Vec3f{};
+  });
   noise_ = within_sheet(noise);
   close_sheets_ = noise_ < noise;
   const auto unseen = static_cast<float>(noise_ == noise ? kUnseen * noise : kUnseenWithin * noise_);

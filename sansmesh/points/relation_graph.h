@@ -17,7 +17,8 @@ namespace sansmesh::inline v1::detail {
 /// Neighbour graph in tree order; each edge has a relation of the signs at its ends.
 class RelationGraph {
  public:
-  /// The tree of the samples' positions must outlive the graph. `noise`: length.
+  /// The tree of the samples' positions must outlive the graph. Normals that are not finite count as zero. `noise`:
+  /// length.
   RelationGraph(const KdTree& tree, std::span<const Vec3f> normals, int neighbours, double noise);
 
   std::size_t size() const { return positions_.size(); }

@@ -36,7 +36,7 @@ Located locate(const RelationGraph& graph, std::span<const std::uint32_t> nodes)
   return located;
 }
 
-std::vector<std::uint32_t> every(std::span<const std::uint32_t> members, std::size_t step) {
+std::vector<std::uint32_t> every_nth(std::span<const std::uint32_t> members, std::size_t step) {
   std::vector<std::uint32_t> some;
   for (std::size_t i = step / 2; i < members.size(); i += step) some.push_back(members[i]);
   return some;
@@ -51,7 +51,7 @@ double sum_of_squares(std::span<const float> values) {
 }  // namespace
 
 WindingSides::WindingSides(const RelationGraph& graph, std::span<const std::uint32_t> members, std::size_t step)
-    : graph_(graph), nodes_(every(members, step)) {
+    : graph_(graph), nodes_(every_nth(members, step)) {
   const Located located = locate(graph, nodes_);
   scale_ = located.scale;
   sums_ = WindingSums(located.nodes);
@@ -73,8 +73,9 @@ double WindingSides::error(std::span<const std::int8_t> sign) const {
   sums_.winding(area, static_cast<float>(kErrorWidth * std::max(spacing_, noise_)), winding);
   double sum = 0;
   for (const float w : winding) sum += static_cast<double>(w);
-  const double squares = sum_of_squares(winding);
-  return squares > 0 ? 1 - sum * sum / (squares * static_cast<double>(nodes_.size())) : 1;
+  // NaN without area, or with a width of zero.
+  const double even = sum * sum / (sum_of_squares(winding) * static_cast<double>(nodes_.size()));
+  return std::isfinite(even) ? std::max(0.0, 1 - even) : 1;
 }
 
 std::vector<Vec3f> WindingSides::outward() const {

@@ -9,15 +9,16 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Distance, in its radii, at which a group replaces its nodes.
-constexpr float kFarRadii = 2;
+/// Distance, in its radii, at which a group replaces its nodes; and radius below which it always does, since rounding
+/// moves the centre of coincident nodes.
+constexpr float kFarRadii = 2, kPointRadius = 1e-6f;
 constexpr float kPerSolidAngle = 1 / (4 * std::numbers::pi_v<float>);
 /// Groups of eight nodes per range of threads.
 constexpr std::size_t kGroups = 16;
 
 }  // namespace
 
-WindingSums::WindingSums(std::span<const Vec3f> nodes) : size_(nodes.size()), first_{0}, used_from_{0} {
+WindingSums::WindingSums(std::span<const Vec3f> nodes) : size_(nodes.size()) {
   if (size_ == 0) return;
   for (std::size_t n = size_;; n = (n + kWidth - 1) / kWidth) {
     first_.push_back(first_.back() + n);
@@ -47,7 +48,7 @@ WindingSums::WindingSums(std::span<const Vec3f> nodes) : size_(nodes.size()), fi
     const Vec3f center{x_[own], y_[own], z_[own]};
     const auto use = [&](const auto& self, std::size_t level, std::size_t g) -> void {
       const float apart = norm(Vec3f{x_[g], y_[g], z_[g]} - center) - radius_[own];
-      if (level == 0 || apart > kFarRadii * radius_[g]) {
+      if (level == 0 || radius_[g] < kPointRadius || apart > kFarRadii * radius_[g]) {
         used[t].push_back(static_cast<std::uint32_t>(g));
         return;
       }

@@ -11,8 +11,9 @@
 namespace sansmesh::inline v1::detail {
 
 /// Sums over pairs of nodes at fixed positions with the regularised kernel K(d) = d / (4π (‖d‖² + width²)^{3/2}). The
-/// sum of a group of nodes at its centre replaces these at a distance of two radii (barill2018). The groups that each
-/// node uses are chosen once. Positions should be of order 1. Results are independent of the number of threads.
+/// sum of a group of nodes at its centre replaces these at a distance of two radii (barill2018), or if they coincide.
+/// The groups that each node uses are chosen once. Positions should be of order 1. Results are independent of the
+/// number of threads.
 class WindingSums {
  public:
   WindingSums() = default;
@@ -40,11 +41,11 @@ class WindingSums {
   void for_each_group(const Add& add) const;
 
   std::size_t size_ = 0;
-  std::vector<std::size_t> first_;      ///< first entry of each level below; level 0 has the nodes
-  std::vector<float> x_, y_, z_;        ///< positions of nodes and centres of groups
-  std::vector<float> radius_;           ///< radii of the groups
-  std::vector<std::uint32_t> used_;     ///< nodes and groups that the nodes of each group of level 1 use
-  std::vector<std::size_t> used_from_;  ///< first of them, by group
+  std::vector<std::size_t> first_ = {0};      ///< first entry of each level, and the number of all; level 0: the nodes
+  std::vector<float> x_, y_, z_;              ///< positions of nodes and centres of groups
+  std::vector<float> radius_;                 ///< radii of the groups
+  std::vector<std::uint32_t> used_;           ///< nodes and groups that the nodes of each group of level 1 use
+  std::vector<std::size_t> used_from_ = {0};  ///< first of them, by group
 };
 
 }  // namespace sansmesh::inline v1::detail

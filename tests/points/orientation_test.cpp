@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "points/shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/normals.h"
@@ -222,7 +225,7 @@ double share_recovered(const PointSet& samples, OrientBy by = OrientBy::automati
 }
 
 TEST(Orientation, WindingNumbersDecideWhereNoiseIsAsThickAsTheShape) {
-  // Votes of neighbours have 67 to 84 % right, and change with the rotation.
+  // Votes of neighbours alone give 67 to 84 % right signs, depending on the rotation.
   const PointSet ring = with_noise(sample_torus(4000, 1, 0.1f, 5), 0.03f, 6);
   EXPECT_GT(share_recovered(ring), 0.975);
   PointSet turned = ring;
@@ -235,7 +238,7 @@ TEST(Orientation, WindingNumbersDecideWhereNoiseIsAsThickAsTheShape) {
   EXPECT_GT(share_recovered(ball_with_rods(1500, 0.045f, 31)), 0.97);
 }
 
-TEST(Orientation, OfTouchingBallsIsOutwardForBoth) {
+TEST(Orientation, BothOfTwoTouchingBallsFaceOutward) {
   PointSet points = sample_sphere(6000, 1, 0.05f, 1);
   append(points, sample_sphere(6000, 1, 0.05f, 2, {1.95f, 0, 0}));
   EXPECT_GT(share_recovered(points), 0.97);
@@ -249,7 +252,7 @@ TEST(Orientation, TheSidesOfNoisyPlatesOfTwoSpacingsFaceOutward) {
 }
 
 TEST(Orientation, SingleSheetsAreNotFolded) {
-  // Their winding number is more even with a cut at each slope.
+  // Their winding numbers would be more even with a cut at each slope.
   for (const float height : {0.1f, 0.4f}) {
     PointSet points;
     std::mt19937 random(15);
@@ -312,6 +315,26 @@ TEST(Orientation, ATerrainLooksUp) {
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_EQ(fraction_correct(points, truth), 1);
+}
+
+TEST(Orientation, NormalsThatAreNotFiniteHaveNoEffect) {
+  const PointSet ring = with_noise(sample_torus(4000, 1, 0.1f, 5), 0.03f, 6);
+  PointSet points = ring;
+  Progress progress;
+  estimate_normals(points, {}, progress);
+  // Neighbours alone decide wrongly; the winding number is a sum over many samples.
+  for (std::size_t i = 0; i < 20; ++i)
+    points.normals[i].y = i % 2 == 0 ? std::numeric_limits<float>::quiet_NaN() : INFINITY;
+  orient_normals(points, {}, progress);
+  EXPECT_GT(fraction_correct(points, ring.normals), 0.97);
+}
+
+TEST(Orientation, ZeroNormalsStayZero) {
+  PointSet points = sample_sphere(3000, 1, 0, 13);
+  points.normals.assign(points.size(), {});
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, std::vector<Vec3f>(points.size()));
 }
 
 TEST(Orientation, DoesNotDependOnTheNumberOfThreads) {

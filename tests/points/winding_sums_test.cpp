@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "points/shapes.h"
@@ -36,6 +37,23 @@ TEST(WindingSums, AreThoseOfAllPairsWithinFourPercent) {
       EXPECT_NEAR(static_cast<double>(winding[i]), w, 0.04 * all / (4 * std::numbers::pi));
       EXPECT_LT(norm(Vec3(outward[i]) - gradient), 0.04 * norm(gradient) + 1e-4);
       EXPECT_LT(norm(Vec3(transposed[i]) - sum), 0.04 * all / (4 * std::numbers::pi));
+    }
+  }
+}
+
+TEST(WindingSums, OfCoincidentNodesAreZero) {
+  for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{10000}}) {
+    const WindingSums sums(std::vector<Vec3f>(n, Vec3f{0.1f, 0.7f, 0.3f}));
+    std::vector<float> winding(n, 1), ones(n, 1);
+    std::vector<Vec3f> area(n, Vec3f{0, 0, 1}), transposed(n);
+    const float width = 0.1f;
+    sums.winding(area, width, winding);
+    sums.transposed(ones, width, transposed);
+    // Rounding moves the centres of groups.
+    const float largest = 1e-5f * static_cast<float>(n) / (4 * std::numbers::pi_v<float> * width * width);
+    for (std::size_t i = 0; i < n; ++i) {
+      EXPECT_LE(std::abs(winding[i]), largest);
+      EXPECT_LE(norm(transposed[i]), largest);
     }
   }
 }
