@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/dataset/mesh_volume_surface.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/io/grids/read_volume.h"

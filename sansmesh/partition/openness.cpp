@@ -130,14 +130,15 @@ double mean_behind_samples(const GlobalSign& sign, std::span<const OrientedPatch
   return all_jump > kLeastJump * all ? 0.5 + (all_behind - 0.5 * all_jump) / all : 0;
 }
 
-/// mean_behind of one sheet from the samples in the blocks of its supports.
-double mean_behind_samples(const Sheets& sheets, std::size_t sheet, std::span<const Vec3f> samples,
-                           std::span<const Vec3f> normals, float unit) {
+/// mean_behind of one sheet from the samples in the blocks of its supports, if there are enough.
+std::optional<double> mean_behind_samples(const Sheets& sheets, std::size_t sheet, std::span<const Vec3f> samples,
+                                          std::span<const Vec3f> normals, float unit) {
   std::vector<Vec3f> positions, directions;
   for (std::size_t i = 0; i < sheets.of_support.size(); ++i)
     if (sheets.of_support[i] == sheet)
       for (std::uint32_t j = sheets.first[i]; j < sheets.first[i] + sheets.count[i]; ++j)
         positions.push_back(samples[j]), directions.push_back(normals[j]);
+  if (positions.size() < kNeighbours) return std::nullopt;
   const std::vector<OrientedPatch> patches = sample_patches(positions, directions);
   return mean_behind_samples(GlobalSign(patches, unit), patches);
 }
@@ -165,7 +166,7 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, std::
     if (!judged[k]) continue;
     alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
     if (!open && alone[k] >= kUncertain && alone[k] <= kCertain)
-      alone[k] = mean_behind_samples(sheets, k, samples, normals, data.edge);
+      alone[k] = mean_behind_samples(sheets, k, samples, normals, data.edge).value_or(alone[k]);
   }
   std::vector<std::uint8_t> is_open(sheets.size(), 0);
   for (std::size_t k = 0; k < sheets.size(); ++k) {

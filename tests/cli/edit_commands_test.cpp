@@ -65,7 +65,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   EXPECT_EQ(json["output"]["file"], "new.smf");
   EXPECT_TRUE(json["update"]["local"]);
   EXPECT_TRUE(json["update"]["why"].is_null());
-  EXPECT_GT(json["update"]["added"].get<int>(), 0);
+  EXPECT_GT(json["update"]["regions"].get<int>(), 0);
   const TriangleMesh after = read_mesh(path("new.ply"));
   EXPECT_TRUE(measure_topology(after).closed());
   EXPECT_EQ(after.triangles.size(), json["mesh"]["triangles"].get<std::size_t>());
