@@ -22,7 +22,7 @@ using test::CloudChange, test::PerturbedCloud;
 struct Shape {
   const char* name;
   PointSet (*make)();
-  double area;                             ///< of the surface
+  double area;                             ///< area of the surface
   std::function<double(const Vec3&)> off;  ///< distance from the surface
   long genus = 0;
   bool open = false;
