@@ -258,7 +258,7 @@ struct Output {
 };
 
 /// Batch of points where the far field has a share, collected over several tiles and summed together.
-struct FarBatch {
+struct FarQueries {
   static constexpr std::size_t kMany = 128;
   struct Near {
     std::size_t at;  ///< index in the output
@@ -278,14 +278,14 @@ struct Step {
 };
 
 /// `plain`: weight from which the far field has no share in a plain blend; 0 for the default blend.
-void hand_over(const FarField& field, FarBatch& far, float plain, const Output& out) {
+void hand_over(const FarField& field, FarQueries& far, float plain, const Output& out) {
   const bool gradient = !out.gradients.empty();
   far.values.resize(far.x.size());
   far.gradients.resize(gradient ? far.x.size() : 0);
   field.signed_distance(far.x, far.values, far.gradients);
   constexpr float kRise = 1 / (kFade - kRound);
   for (std::size_t j = 0; j < far.x.size(); ++j) {
-    const FarBatch::Near& near = far.near[j];
+    const FarQueries::Near& near = far.near[j];
     const Vec3f far_gradient = gradient ? far.gradients[j] : Vec3f{};
     if (near.weight <= 0) {
       out.put(near.at, far.values[j], far_gradient);
@@ -314,7 +314,7 @@ void hand_over(const FarField& field, FarBatch& far, float plain, const Output& 
 }
 
 void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<const std::size_t> at,
-                   const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarBatch& far) {
+                   const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarQueries& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
   // Longer lists indicate points too far apart to share one.
@@ -334,7 +334,7 @@ void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<
   HWY_DYNAMIC_DISPATCH(SumSupports)
   (s.data.functions.data(), s.manner.data(), list.data(), list.size(), n, gradient, tile);
   for (std::size_t i = 0; i < n; ++i) {
-    FarBatch::Near near{at[i], tile.weight[i] < kNoWeight ? 0 : tile.weight[i], 0, {}, {}};
+    FarQueries::Near near{at[i], tile.weight[i] < kNoWeight ? 0 : tile.weight[i], 0, {}, {}};
     if (near.weight > 0) {
       const float inverse = 1 / near.weight;
       near.value = tile.value[i] / near.weight;
@@ -385,7 +385,7 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
   parallel_ranges(0, (n + kTile - 1) / kTile, 16, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> list;
     EvaluationTile tile;
-    FarBatch far;
+    FarQueries far;
     Vec3f px[kTile];
     std::size_t indices[kTile];
     for (std::size_t t = first; t < last; ++t) {
@@ -395,7 +395,7 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
         px[i] = local(indices[i]);
       }
       evaluate_tile(s, {px, m}, {indices, m}, out, list, tile, far);
-      if (far.x.size() >= FarBatch::kMany) hand_over(s.far, far, plain, out);
+      if (far.x.size() >= FarQueries::kMany) hand_over(s.far, far, plain, out);
     }
     hand_over(s.far, far, plain, out);
   });

@@ -33,6 +33,8 @@ constexpr double kOutside = 0.02;
 constexpr std::size_t kEnough = 100000;
 /// Levels from the deepest one up to the blocks that are counted whole.
 constexpr int kLevelsOfBlock = 6;
+/// Edge of a cube that follows the box, in extents of the samples.
+constexpr double kCubeOverExtent = 1.1;
 
 }  // namespace
 
@@ -43,7 +45,7 @@ Box3f set_root_cube(const PointSet& points, PartitionData& data) {
   const float extent = std::max({box.size().x, box.size().y, box.size().z});
   if (!(extent > 0)) throw DataError("partition of unity: all points coincide");
   data.origin = points.origin;
-  data.edge = 1.1f * extent;
+  data.edge = static_cast<float>(kCubeOverExtent) * extent;
   data.lower = box.center() - Vec3f{1, 1, 1} * (0.5f * data.edge);
   return box;
 }
@@ -69,7 +71,7 @@ double typical_extent(std::span<const Vec3f> positions) {
 
 int deepest_level(std::span<const Vec3f> positions, float edge) {
   const double extent = typical_extent(positions), samples = static_cast<double>(positions.size());
-  const double cells = extent > 0 ? static_cast<double>(edge) / (1.1 * extent) : 1;
+  const double cells = extent > 0 ? static_cast<double>(edge) / (kCubeOverExtent * extent) : 1;
   return whole_part<int>(std::ceil(0.5 * std::log2(samples) + std::log2(cells) + 1.5));
 }
 
@@ -77,7 +79,7 @@ namespace {
 
 /// Edge of the form 2^(k/4) of the cells with this many samples in the mean cell of a sample, rounded up.
 double cell_edge_with(double company, std::span<const Vec3f> positions, const PartitionData& data, int depth) {
-  // All samples of some blocks of 8³ cells show the numbers on all finer levels.
+  // All samples of some blocks of 64³ finest cells show the numbers on all levels below these blocks.
   const int coarse = std::max(0, depth - kLevelsOfBlock);
   std::size_t skip = 1;
   while (positions.size() / skip > kEnough) skip *= 2;
@@ -128,7 +130,8 @@ double cell_edge_with(double company, std::span<const Vec3f> positions, const Pa
 void snap_root_cube(const Box3f& box, std::span<const Vec3f> positions, double company, PartitionData& data) {
   const double cell =
       cell_edge_with(company, positions, data, std::min(kMostDepth, deepest_level(positions, data.edge)));
-  const double least = static_cast<double>(data.edge) / 1.1 * (1 + 2 * kCubeMargin) * kCorners / (kCorners - 1);
+  const double least =
+      static_cast<double>(data.edge) / kCubeOverExtent * (1 + 2 * kCubeMargin) * kCorners / (kCorners - 1);
   const double unit = cell > 0 ? cell : 1;
   const double edge = unit * std::exp2(std::ceil(std::log2(least / unit))), step = edge / kCorners;
   const double offset = corner_offset(step);

@@ -42,7 +42,7 @@ std::vector<Vec3> in_domain(const FittedFunction& s, std::size_t count) {
   return x;
 }
 
-/// Of 1000 gradients, 999 are within kPlausibleGradient.
+/// Checks that 999 of 1000 gradients are within kPlausibleGradient.
 void expect_sound(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, kPoints);
   std::vector<double> values(x.size());
