@@ -10,7 +10,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Least mean number of samples in a sample's cell, in one sheet and in two.
-constexpr float kLeast = 3, kLeastOfTwoSheets = 1.5f;
+constexpr float kLeast = 2.5f, kLeastOfTwoSheets = 1.5f;
 /// Least λ1 λ2 / (λ1 + λ2)² of the principal variances of the samples in a cell. It is 0.25 for samples of the same
 /// density in all directions, and near 0 on scan lines farther apart than the edge of the cells.
 constexpr float kLeastSpread = 0.21f;
