@@ -26,6 +26,8 @@ constexpr double kScattered = 0.4;
 /// Dimension of a group of samples from which it fills space; sparsely sampled surfaces have 1.5 to 2.5, clutter 3 and
 /// more.
 constexpr double kFillsSpace = 2.75;
+/// Margin of the inverse dimension of one sample, which varies: 1.5 standard deviations.
+constexpr double kDimensionMargin = 0.18;
 /// Separate clusters of at most this share of the cloud are outliers if they look scattered.
 constexpr double kSmallPart = 0.05;
 /// Least number of samples for the reference surface of a sample.
@@ -189,7 +191,7 @@ class OutlierSearch {
       if (scattered_[s]) spread[cluster_[s]] += inverse_dimension(s);
     const auto no_surface = [&](std::uint32_t c) {
       return members_[c] < options_.min_cluster ||
-             (members_[c] <= small_ && 2 * strays[c] > members_[c] && kFillsSpace * spread[c] < strays[c]);
+             (members_[c] <= small_ && 2 * strays[c] > members_[c] && !is_flat(spread[c], strays[c]));
     };
     for (std::uint32_t s = 0; s < n_; ++s)
       if (isolated_[s] || off_[s] || no_surface(cluster_[s])) mask[tree_.order()[s]] = 1;
@@ -217,6 +219,11 @@ class OutlierSearch {
     return count > 0 ? sum / count : 0;
   }
 
+  /// Whether samples with this sum of inverse dimensions do not fill space.
+  static bool is_flat(double inverse_dimensions, double samples) {
+    return inverse_dimensions >= samples / kFillsSpace + kDimensionMargin * std::sqrt(samples);
+  }
+
   /// Sparse parts of a surface, where the density of the samples varies, are also farther apart than most samples, and
   /// may look scattered. Unlike clutter, connected groups of them do not fill space.
   void keep_sparse_surfaces() {
@@ -234,7 +241,7 @@ class OutlierSearch {
     }
     for (std::uint32_t s = 0; s < n_; ++s) {
       const std::uint32_t group = groups.find(s);
-      if (isolated_[s] && kFillsSpace * spread[group] >= size[group]) isolated_[s] = 0;
+      if (isolated_[s] && is_flat(spread[group], size[group])) isolated_[s] = 0;
     }
   }
 
