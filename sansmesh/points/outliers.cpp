@@ -186,12 +186,8 @@ class OutlierSearch {
   void mark(std::vector<std::uint8_t>& mask) const {
     std::vector<std::uint32_t> strays(n_);  // scattered samples per cluster
     for (std::uint32_t s = 0; s < n_; ++s) strays[cluster_[s]] += scattered_[s];
-    std::vector<double> spread(n_);
-    for (std::uint32_t s = 0; s < n_; ++s)
-      if (scattered_[s]) spread[cluster_[s]] += inverse_dimension(s);
     const auto no_surface = [&](std::uint32_t c) {
-      return members_[c] < options_.min_cluster ||
-             (members_[c] <= small_ && 2 * strays[c] > members_[c] && !is_flat(spread[c], strays[c]));
+      return members_[c] < options_.min_cluster || (members_[c] <= small_ && 2 * strays[c] > members_[c]);
     };
     for (std::uint32_t s = 0; s < n_; ++s)
       if (isolated_[s] || off_[s] || no_surface(cluster_[s])) mask[tree_.order()[s]] = 1;
@@ -219,11 +215,6 @@ class OutlierSearch {
     return count > 0 ? sum / count : 0;
   }
 
-  /// Whether samples with this sum of inverse dimensions do not fill space.
-  static bool is_flat(double inverse_dimensions, double samples) {
-    return inverse_dimensions >= samples / kFillsSpace + kDimensionMargin * std::sqrt(samples);
-  }
-
   /// Sparse parts of a surface, where the density of the samples varies, are also farther apart than most samples, and
   /// may look scattered. Unlike clutter, connected groups of them do not fill space.
   void keep_sparse_surfaces() {
@@ -241,7 +232,8 @@ class OutlierSearch {
     }
     for (std::uint32_t s = 0; s < n_; ++s) {
       const std::uint32_t group = groups.find(s);
-      if (isolated_[s] && is_flat(spread[group], size[group])) isolated_[s] = 0;
+      const double least = size[group] / kFillsSpace + kDimensionMargin * std::sqrt(size[group]);
+      if (isolated_[s] && spread[group] >= least) isolated_[s] = 0;
     }
   }
 
