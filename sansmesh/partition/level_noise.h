@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sansmesh/partition/block_fit.h"
-#include "sansmesh/partition/scale_choice.h"
+#include "sansmesh/partition/trial_fits.h"
 
 namespace sansmesh::inline v1 {
 

@@ -273,8 +273,8 @@ float two_sheets_around(const std::vector<Trial>& trials, const SampleTree::Neig
 /// Decides bottom-up whether a block is better left whole.
 void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
   const auto needed = static_cast<float>(choice.accepted * choice.accepted);
-  const float second = kSecondSheetRisk + choice.noisiness() * (kNoisySecondSheetRisk - kSecondSheetRisk);
-  const float better = kBetterCut + choice.noisiness() * (kBetterNoisyCut - kBetterCut);
+  const float second = kSecondSheetRisk + noisiness(choice) * (kNoisySecondSheetRisk - kSecondSheetRisk);
+  const float better = kBetterCut + noisiness(choice) * (kBetterNoisyCut - kBetterCut);
   for (int level = choice.finest; level >= 0; --level) {
     const auto l = static_cast<std::size_t>(level);
     std::vector<Trial>& trials = choice.trials[l];
@@ -345,8 +345,8 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
 
 }  // namespace
 
-float ScaleChoice::noisiness() const {
-  return std::max(0.0f, static_cast<float>(support) - static_cast<float>(fit)) /
+float noisiness(const ScaleBasis& basis) {
+  return std::max(0.0f, static_cast<float>(basis.support) - static_cast<float>(basis.fit)) /
          static_cast<float>(kNoisySupport - kNoisyFit);
 }
 
