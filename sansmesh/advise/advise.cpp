@@ -203,10 +203,9 @@ std::vector<std::string> summary_of(const Advice& advice) {
 }
 
 Advice advise(const PointSet& points, Progress& progress) {
-  std::vector<std::string> warnings;
-  const CloudTraits traits = measure_traits(points, progress, &warnings);
-  Advice advice = advise(traits);
-  add_notes(advice.notes, "preparation", warnings);
+  std::vector<Note> notes;
+  Advice advice = advise(measure_traits(points, progress, &notes));
+  advice.notes = std::move(notes);
   return advice;
 }
 

@@ -137,27 +137,20 @@ std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshCompo
   return evidence;
 }
 
-/// Components that hardly any samples represent, 1 for each. The mesh is in the coordinates of the field.
+/// Components that the default mesh leaves out and, beside closed surfaces, those that hardly any samples represent:
+/// 1 for each. The mesh is in the coordinates of the field.
 std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshComponents& components,
                                            const FittedFunction& function) {
   const PartitionReport& report = function.field.report();
-  const bool sampled = function.samples->size() > 0;
-  std::vector<std::uint8_t> extra(components.size(), 0);
-  if (report.open_area > 0) {
-    // A scene has parts of all sizes: a sampled part belongs to it, even if it is small beside the largest.
-    if (!sampled) return extra;
-    extra = detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, true);
-    for (std::uint8_t& e : extra) e = !e;
-    return extra;
-  }
-  const std::vector<double> evidence =
-      sampled ? component_evidence(mesh, components, function) : std::vector<double>(components.size(), 1.0);
-  // The largest component with evidence is the reference for the others.
-  double largest = 0;
-  for (std::size_t c = 0; c < extra.size(); ++c)
-    if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
-  for (std::size_t c = 0; c < extra.size(); ++c)
-    extra[c] = evidence[c] < kLeastEvidence || components.area[c] < detail::kSmallComponent * largest;
+  const bool sampled = function.samples->size() > 0, open = report.open_area > 0;
+  // A scene has parts of all sizes, which only samples can judge.
+  if (open && !sampled) return std::vector<std::uint8_t>(components.size(), 0);
+  std::vector<std::uint8_t> extra =
+      detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, open);
+  for (std::uint8_t& e : extra) e = !e;
+  if (open || !sampled) return extra;
+  const std::vector<double> evidence = component_evidence(mesh, components, function);
+  for (std::size_t c = 0; c < extra.size(); ++c) extra[c] = extra[c] || evidence[c] < kLeastEvidence;
   return extra;
 }
 

@@ -45,7 +45,7 @@ TEST(Diagnose, NothingIsWrongWithASphere) {
 }
 
 TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
-  const FittedFunction function = fit_cloud(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
+  const FittedFunction function = fit_cloud(joined(sphere(5000), sphere(40), 0.09f, {1.5f, 0.2f, 0}));
   const Diagnosis d = diagnose(function);
   const auto extra = of_kind(d, Suspicion::extra_sheet);
   ASSERT_EQ(extra.size(), 1u);
@@ -197,7 +197,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
   SANSMESH_NOT_SANITIZED("judges scripts on larger clouds; others write and run them, too");
   // Suspicions of all kinds: thresholds that mark sound regions, steep ones between sheets, and stray samples.
   PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
-  PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
+  PointSet strays = joined(sphere(5000), sphere(40), 0.09f, {1.5f, 0.2f, 0});
   for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {
     const FittedFunction function = fit_cloud(cloud);
     DiagnoseOptions options;
