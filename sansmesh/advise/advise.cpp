@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -113,9 +114,10 @@ Recommendation mesh(const Judgement& j) {
     why = "the other methods need many times the time for so many samples";
   if (strays_go) why += "; without the stray samples, which would ruin a closed surface";
   if (j.open)
-    why += "; it ends where the samples end (`open = false` closes it), gaps narrower than `fill_holes` are filled";
+    why += fmt::format("; it ends where the samples end ({}, {})", remedy("advice_open", "open").text,
+                       remedy("advice_open", "fill_holes").text);
   else if (j.border || j.holes)
-    why += "; borders and holes are closed, `open = true` leaves open what is wider than `fill_holes`";
+    why += fmt::format("; borders and holes are closed ({})", remedy("advice_closed", "open").text);
   return {.aim = Aim::mesh, .surface = "partition", .remove_outliers = strays_go, .why = std::move(why)};
 }
 

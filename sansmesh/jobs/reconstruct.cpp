@@ -112,7 +112,10 @@ bool keeps_samples(const FittedFunction& function, const ReconstructOptions& opt
   cloud.frame = function.frame;
   MeshReport r;
   try {
-    if (options.cloud.remove_outliers.value_or(false)) leave_out_outliers(cloud, true, ClutterUse::keep, progress);
+    if (options.cloud.remove_outliers.value_or(false)) {
+      leave_out_outliers(cloud, true, ClutterUse::keep, progress);
+      if (cloud.points.size() == function.samples->size()) return false;
+    }
     mesh_function(fit_surface_function(std::move(cloud), options.fit, progress), options.mesh, progress, &r);
   } catch (const DataError&) {
     return false;
@@ -120,11 +123,11 @@ bool keeps_samples(const FittedFunction& function, const ReconstructOptions& opt
   return !lost_samples(r);
 }
 
-/// Names the option that gives lost samples a surface, if a trial confirms it.
+/// Names the option that leaves out lost samples or gives them a surface, if a trial confirms it.
 void find_remedy(const FittedFunction& function, const ReconstructOptions& options, Progress& progress,
                  MeshReport& report) {
   Note* const note = lost_samples(report);
-  if (!note || !note->remedy.empty() || options.fit.is_paper() || function.samples->size() > kMostTried) return;
+  if (!note || options.fit.is_paper() || function.samples->size() > kMostTried) return;
   const auto helps = [&](const Remedy& remedy, const ReconstructOptions& other) {
     if (!keeps_samples(function, other, progress)) return false;
     note->remedy = remedy.text;
@@ -137,7 +140,7 @@ void find_remedy(const FittedFunction& function, const ReconstructOptions& optio
     other = options;
   }
   other.fit.open = true;
-  if (!options.fit.open.value_or(false)) helps(remedy("lost_samples", "open"), other);
+  if (note->remedy.empty() && !options.fit.open.value_or(false)) helps(remedy("lost_samples", "open"), other);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Remedies in notes on clouds and on their surfaces, in one table: a test applies each to a cloud that causes its note.
+// Remedies in notes and advice on clouds and on their surfaces, in one table: a test applies each to a cloud that
+// causes it.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 namespace sansmesh::inline v1 {
 
 struct Remedy {
-  std::string_view code;    ///< of the note
+  std::string_view code;    ///< of the note, or subject of the advice
   std::string_view option;  ///< option that removes the defect
   std::string_view text;    ///< names the option between grave accents
 };
@@ -22,6 +23,9 @@ inline constexpr Remedy kRemedies[] = {
     {"lost_samples", "components", "`components = all` keeps their parts"},
     {"lost_samples", "remove_outliers", "`remove_outliers` leaves out those that belong to no surface"},
     {"lost_samples", "open", "`open = true` ends the surface where the samples end"},
+    {"advice_open", "open", "`open = false` closes it"},
+    {"advice_open", "fill_holes", "`fill_holes` closes narrower gaps"},
+    {"advice_closed", "open", "`open = true` leaves open what is wider than `fill_holes`"},
 };
 
 /// Remedy by code and option. Others do not compile.
