@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 
 struct Remedy {
-  std::string_view code;    ///< of the note, or subject of the advice
+  std::string_view code;    ///< code of the note, or subject of the advice
   std::string_view option;  ///< option that removes the defect
   std::string_view text;    ///< names the option between grave accents
 };

@@ -172,7 +172,7 @@ struct Case {
   double (*defect)(const ReconstructResult&);
   double before;     ///< least defect without the remedy
   double after;      ///< largest defect with it
-  double value = 0;  ///< of an option without a value in its text
+  double value = 0;  ///< value of an option without a value in its text
 };
 
 const Case kCases[] = {
