@@ -127,7 +127,7 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.coverage = static_cast<float>(coverage(ws.block.samples));
   support.samples = static_cast<std::uint32_t>(ws.block.samples.size());
   double square = fits.mean_square[t.degree] * f.scale * f.scale;
-  const bool noisy = choice.noisiness() > 0;
+  const bool noisy = noisiness(choice) > 0;
   std::vector<LocalFunction> pieces = fit_pieces(fitter, choice, f, square, ws);
   if (!pieces.empty()) {
     f = pieces[0];

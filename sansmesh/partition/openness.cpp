@@ -22,8 +22,10 @@ constexpr double kLeastJump = 0.25;
 /// Largest number of sampled patches of a sheet: with more, every so many-th along the Morton curve, which gives the
 /// mean to a few thousandths.
 constexpr std::size_t kLookers = 8192;
-/// Sheets with less of the largest one's area, and those of stray samples, follow the others.
+/// Sheets with less of the largest one's area, those of stray samples, and those with so few samples that they may be
+/// poorly sampled parts of another one, follow the others.
 constexpr double kSmallSheet = 0.02;
+constexpr std::size_t kFewSamples = 64;
 
 /// Excess of the solid angle of a disc, seen from `depth` radii behind it, over that of the far field, divided by 4π:
 /// the correction for a close patch, which is not a point.
@@ -152,11 +154,14 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, std::
   for (OrientedPatch& p : patches) p.least = 0;
   const Sheets sheets = find_sheets(data, samples);
   std::vector<std::vector<OrientedPatch>> of_sheet(sheets.size());
+  std::vector<std::size_t> count(sheets.size());
   for (std::size_t i = 0; i < n; ++i)
-    if (const std::uint32_t k = sheets.of_support[i]; k != Sheets::kNone) of_sheet[k].push_back(patches[i]);
+    if (const std::uint32_t k = sheets.of_support[i]; k != Sheets::kNone)
+      of_sheet[k].push_back(patches[i]), count[k] += sheets.count[i];
   std::vector<std::uint8_t> judged(sheets.size());
   for (std::size_t k = 0; k < sheets.size(); ++k)
-    judged[k] = k == 0 || (sheets.area[k] >= kSmallSheet * sheets.area[0] && sheets.evidence[k] >= kLeastEvidence);
+    judged[k] = k == 0 || (sheets.area[k] >= kSmallSheet * sheets.area[0] && sheets.evidence[k] >= kLeastEvidence &&
+                           count[k] >= kFewSamples);
 
   // A sheet is closed alone (an object above a floor, which would reduce the sum of all), or together with others that
   // are closed: a floor is not informative about the one below. Therefore open sheets are removed until nothing

@@ -8,6 +8,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/partition/child_density.h"
+#include "sansmesh/partition/level_noise.h"
 #include "sansmesh/partition/neighbour_walk.h"
 
 namespace sansmesh::inline v1 {
@@ -23,7 +25,6 @@ constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
 /// of the cells to the median is 0.8 to 0.95 for noise, and 0 to 0.5 for terrain, depth frames and scans that are too
 /// coarse for their shape.
 constexpr double kShapeEvenness = 0.5, kNoiseEvenness = 0.8;
-constexpr std::size_t kLowestTenth = 10;
 /// The cube is made for kLeastCompany on the finest level; counted again, the number differs a little.
 constexpr double kCountedCompany = 0.75;
 /// If so many cells of that level, in the mean of the samples, still hold a second sheet (walls as thin as the
@@ -31,13 +32,7 @@ constexpr double kCountedCompany = 0.75;
 /// wall can follow only one.
 constexpr double kThinCells = 0.25, kThinCompany = 2.5;
 constexpr float kHoldsTwoSheets = 0.15f;
-/// Noise above this share of a ball's radius is cut off by the ball; `uncut` then has to correct a quarter. Balls
-/// stretched along the normal, to kNoiseHeight standard deviations, do not cut it off, but shapes that small are soon
-/// unresolved.
-constexpr double kMostNoise = 0.2, kMostTallNoise = 0.4, kNoiseHeight = 5;
-/// Least number of samples of a fit for an estimate of the noise, in units of the freedom that it takes: with fewer,
-/// the residual is not informative.
-constexpr float kSpareFreedom = 1.5f;
+constexpr double kNoiseHeight = 5;  ///< half length of balls stretched along the normal, in standard deviations
 /// The residual of planes is noise if the best degree leaves at least this part of it.
 constexpr double kNoiseShare = 0.5;
 /// A second sheet with all of the weight has the risk of a surface √0.1 = 0.3 radii off; with much noise, 0.1 radii
@@ -50,7 +45,6 @@ constexpr float kBetterDegree = 0.98f, kBetterCut = 0.9f, kBetterNoisyCut = 0.75
 /// Accepted error by default: this part of the noise, which is the expected error of a quadratic fit to 400 samples;
 /// and of the diagonal, a few dozen roundings of a float coordinate.
 constexpr double kAcceptedNoise = 0.1, kAcceptedSize = 2e-6;
-constexpr double kKnownNoise = 0.3;  ///< least share of the samples around which the noise of a level must be known
 
 /// Number of samples around a block, over `max_samples`, above which its fit uses a part of them. A ball holds about
 /// 0.6 of the samples of the 27 cells (1.3 edges in radius, a disc of 5.3 squares out of 9). Up to here a fit has at
@@ -131,24 +125,6 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   trial.effective_count = static_cast<float>(fits.effective_count);
   record(fits, trial.highest, scale, fitter.height, trial);
   return trial;
-}
-
-/// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: unknown.
-float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around, int max_degree) {
-  double sum = 0, n = 0;
-  for (const std::int32_t k : around) {
-    if (k < 0) continue;
-    const Trial& o = trials[static_cast<std::size_t>(k)];
-    // The highest degree with freedom left: its residual is noise, not shape.
-    int d = o.highest;
-    while (d > 1 && o.effective_count < kSpareFreedom * kFreedom[static_cast<std::size_t>(d)]) --d;
-    if (d < std::min(2, max_degree) || o.reach != 1) continue;  // the residual of planes is also shape
-    const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
-    if (freedom < 1) continue;
-    sum += o.residual(d) * o.effective_count;
-    n += freedom;
-  }
-  return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
 /// Finest level to try: the last on which a sample typically has enough others around it for a quadratic fit.
@@ -246,76 +222,6 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted
   });
 }
 
-/// Local noise on the finest level.
-void pool_noise(const BlockFitter& fitter, ScaleChoice& choice) {
-  const auto l = static_cast<std::size_t>(choice.finest);
-  std::vector<Trial>& trials = choice.trials[l];
-  parallel_ranges(0, trials.size(), 1024, [&](std::size_t first, std::size_t last) {
-    NeighbourWalk walk(fitter.tree);
-    for (std::size_t c = first; c < last; ++c) {
-      walk.go(choice.finest, static_cast<std::uint32_t>(c));
-      trials[c].noise = pooled_noise(trials, walk.own(), fitter.options.max_degree);
-    }
-  });
-}
-
-/// Local noise on the levels above the finest.
-void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
-  for (int level = choice.finest - 1; level >= 0; --level) {
-    const auto l = static_cast<std::size_t>(level);
-    const auto& child = fitter.tree.level(level).child;
-    const auto& begin = fitter.tree.level(level + 1).begin;
-    const std::vector<Trial>& below = choice.trials[l + 1];
-    parallel_for(0, choice.trials[l].size(), 1024, [&](std::size_t c) {
-      double sum = 0, n = 0;
-      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
-        const double m = begin[k + 1] - begin[k];
-        if (below[k].noise >= 0) sum += m * below[k].noise, n += m;
-      }
-      choice.trials[l][c].noise = n > 0 ? static_cast<float>(sum / n) : -1;
-    });
-  }
-}
-
-/// Noise: the residual of the highest affordable degree on the finest level whose balls are wide against it (other
-/// balls cut the noise off, and their fits are meaningless). Pooled over each block's neighbourhood; finer levels are
-/// given up. If no balls are so wide, the coarsest level with an estimate is used, since coarser ones have none.
-/// Returns the evenness of the noise: its standard deviation at the lowest tenth over the median.
-double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
-  double evenness = 0;
-  std::optional<int> level_of_estimate;  // the last one
-  for (;; --choice.finest) {
-    pool_noise(fitter, choice);
-    const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
-    const auto& begin = fitter.tree.level(choice.finest).begin;
-    std::vector<float> noises;
-    double known = 0;
-    for (std::size_t c = 0; c < trials.size(); ++c) {
-      if (trials[c].noise < 0) continue;
-      noises.push_back(trials[c].noise);
-      known += begin[c + 1] - begin[c];
-    }
-    // If few blocks hold enough samples, those are not typical.
-    if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
-      const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
-      std::nth_element(noises.begin(), middle, noises.end());
-      level_of_estimate = choice.finest;
-      choice.variance = *middle;
-      const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
-      std::nth_element(noises.begin(), low, middle + 1);
-      evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, *low) / choice.variance) : 0;
-      const double most = fitter.height > 0 ? kMostTallNoise : kMostNoise;
-      if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
-    }
-    if (choice.finest <= 2) {
-      choice.finest = level_of_estimate.value_or(choice.finest);
-      break;
-    }
-  }
-  spread_noise(fitter, choice);
-  return evenness;
-}
-
 /// Share of the samples in cells of the finest level with a second sheet.
 double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice) {
   const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -356,16 +262,26 @@ void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, 
   }
 }
 
+/// Share of the blocks that contain a second sheet; blocks with a small part of one count in part.
+float two_sheets_around(const std::vector<Trial>& trials, const SampleTree::Neighbours& around) {
+  float sum = 0, n = 0;
+  for (const std::int32_t o : around)
+    if (o >= 0) sum += std::min(1.0f, 0.5f * trials[static_cast<std::size_t>(o)].dropped / kHoldsTwoSheets), n += 1;
+  return n > 0 ? sum / n : 0;
+}
+
 /// Decides bottom-up whether a block is better left whole.
 void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
   const auto needed = static_cast<float>(choice.accepted * choice.accepted);
-  const float second = kSecondSheetRisk + choice.noisiness() * (kNoisySecondSheetRisk - kSecondSheetRisk);
-  const float better = kBetterCut + choice.noisiness() * (kBetterNoisyCut - kBetterCut);
+  const float second = kSecondSheetRisk + noisiness(choice) * (kNoisySecondSheetRisk - kSecondSheetRisk);
+  const float better = kBetterCut + noisiness(choice) * (kBetterNoisyCut - kBetterCut);
   for (int level = choice.finest; level >= 0; --level) {
     const auto l = static_cast<std::size_t>(level);
     std::vector<Trial>& trials = choice.trials[l];
     const float radius = fitter.fit_radius(level);
     const auto noise_of = [&](const Trial& t) { return t.noise >= 0 ? t.noise : static_cast<float>(choice.variance); };
+    std::optional<ChildDensity> below;
+    if (level < choice.finest) below.emplace(fitter.tree, level);
     std::vector<Risks> raw(trials.size());
     parallel_for(0, raw.size(), 1024,
                  [&](std::size_t c) { raw[c] = raw_risks(trials[c], noise_of(trials[c]), radius, second); });
@@ -383,9 +299,10 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
         const float best = std::min(choice.trials[l + 1][k].best, t.risk);
         if (best < kInfinite) sum += m * best, n += m;
       }
-      const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
-      const bool wanted = t.risk > needed && below < better * t.risk;
-      if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
+      const float divided = n > 0 ? static_cast<float>(sum / n) : kInfinite;
+      const bool wanted =
+          t.risk > needed && divided < better * t.risk && below->suffices(around, two_sheets_around(trials, around));
+      if (wanted || (t.risk == kInfinite && divided < kInfinite)) t.leaf = false, t.best = divided;
     };
     parallel_ranges(0, raw.size(), 1024, [&](std::size_t first, std::size_t last) {
       NeighbourWalk walk(fitter.tree);
@@ -428,8 +345,8 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
 
 }  // namespace
 
-float ScaleChoice::noisiness() const {
-  return std::max(0.0f, static_cast<float>(support) - static_cast<float>(fit)) /
+float noisiness(const ScaleBasis& basis) {
+  return std::max(0.0f, static_cast<float>(basis.support) - static_cast<float>(basis.fit)) /
          static_cast<float>(kNoisySupport - kNoisyFit);
 }
 

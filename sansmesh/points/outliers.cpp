@@ -23,6 +23,11 @@ constexpr float kReachOfStrays = 4;
 /// Ratio of the deviations across and along the best plane above which neighbours do not look like a surface; samples
 /// distributed evenly in space have about 0.6.
 constexpr double kScattered = 0.4;
+/// Dimension of a group of samples from which it fills space; sparsely sampled surfaces have 1.5 to 2.5, clutter 3 and
+/// more.
+constexpr double kFillsSpace = 2.75;
+/// Margin of the inverse dimension of one sample, which varies: 1.5 standard deviations.
+constexpr double kDimensionMargin = 0.18;
 /// Separate clusters of at most this share of the cloud are outliers if they look scattered.
 constexpr double kSmallPart = 0.05;
 /// Least number of samples for the reference surface of a sample.
@@ -126,6 +131,7 @@ class OutlierSearch {
         if (!isolated_[s] && spacing_[s] > sparse) isolated_[s] = looks_scattered(tree_, nearest(s));
       }
     });
+    keep_sparse_surfaces();
   }
 
   /// Connects samples that are close together, without isolated ones, so that clusters with few samples show.
@@ -192,6 +198,43 @@ class OutlierSearch {
 
   std::span<const std::uint32_t> nearest(std::size_t s) const {
     return std::span(neighbours_).subspan(s * kFound, kFound);
+  }
+
+  /// Inverse of the dimension in which a sample's neighbours are distributed: ½ on average on a surface, ⅓ in space
+  /// (levina2005).
+  double inverse_dimension(std::size_t s) const {
+    const std::span<const std::uint32_t> found = nearest(s);
+    const Vec3f center = tree_.position(s);
+    const double farthest = squared_distance(center, tree_.position(found.back()));
+    double sum = 0;
+    int count = 0;
+    for (const std::uint32_t other : found.first(kNeighbours)) {
+      const double square = squared_distance(center, tree_.position(other));
+      if (square > 0) sum += 0.5 * std::log(farthest / square), ++count;
+    }
+    return count > 0 ? sum / count : 0;
+  }
+
+  /// Sparse parts of a surface, where the density of the samples varies, are also farther apart than most samples, and
+  /// may look scattered. Unlike clutter, connected groups of them do not fill space.
+  void keep_sparse_surfaces() {
+    UnionFind groups(n_);
+    for (std::uint32_t s = 0; s < n_; ++s)
+      if (isolated_[s])
+        for (const std::uint32_t other : nearest(s))
+          if (isolated_[other]) groups.join(s, other);
+    std::vector<double> spread(n_);
+    std::vector<std::uint32_t> size(n_);
+    for (std::uint32_t s = 0; s < n_; ++s) {
+      if (!isolated_[s]) continue;
+      const std::uint32_t group = groups.find(s);
+      spread[group] += inverse_dimension(s), ++size[group];
+    }
+    for (std::uint32_t s = 0; s < n_; ++s) {
+      const std::uint32_t group = groups.find(s);
+      const double least = size[group] / kFillsSpace + kDimensionMargin * std::sqrt(size[group]);
+      if (isolated_[s] && spread[group] >= least) isolated_[s] = 0;
+    }
   }
 
   bool is_off_surface(std::span<const Vec3f> offsets, float around) const {

@@ -52,6 +52,21 @@ TEST(Outliers, SparseRegionsStay) {
   EXPECT_LT(count(mask, 0, mask.size()), 20u);
 }
 
+TEST(Outliers, SparseFingersStay) {
+  // Round parts with so few samples that the nearest ones of each look scattered in space.
+  PointSet points = sample_sphere(40000, 1, 0, 1);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> u(0, 1);
+  for (int finger = 0; finger < 6; ++finger)
+    for (int i = 0; i < 40; ++i) {
+      const float angle = 6.2831853f * u(random), side = 0.25f * static_cast<float>(finger) - 0.6f;
+      points.positions.push_back({side + 0.09f * std::cos(angle), 0.09f * std::sin(angle), 1 + 0.8f * u(random)});
+    }
+  Progress progress;
+  const auto mask = find_outliers(points, {}, progress);
+  EXPECT_LE(count(mask, 40000, 40240), 12u);
+}
+
 TEST(Outliers, NoiseIsNotOutlying) {
   const PointSet points = sample_sphere(20000, 1, 0.04f, 7);
   Progress progress;

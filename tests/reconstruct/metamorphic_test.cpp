@@ -158,7 +158,11 @@ TEST(ClosedFaces, HaveNoBorder) {
   PointSet shells = test::ball_mesh(3);
   for (int k = 1; k < 8; ++k)
     shells = test::joined_meshes(std::move(shells), test::ball_mesh(3), k % 2 ? 0.9f : 1.0f,
-                                 Vec3f{2.3f * static_cast<float>(k / 2), 0, 0});
+                                 Vec3f{k < 2   ? 0.0f
+                                       : k < 4 ? 2.3f
+                                       : k < 6 ? 4.6f
+                                               : 6.9f,
+                                       0, 0});
   Progress silent;
   const ReconstructResult made = reconstruct(shells, {}, silent);
   EXPECT_EQ(measure_topology(made.mesh).boundary_edges, 0u);

@@ -149,8 +149,8 @@ PointSet plate_and_strays() {
   PointSet cloud = plate(8000, {.bend = 0.1f});
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(-0.5f, 0.5f);
-  for (int i = 0; i < 240; ++i) {
-    cloud.positions.push_back({uniform(random), uniform(random), 0.9f + uniform(random)});
+  for (int i = 0; i < 150; ++i) {
+    cloud.positions.push_back({uniform(random), uniform(random), 2.4f + 4 * uniform(random)});
     cloud.normals.push_back({0, 0, 1});
   }
   return cloud;

@@ -53,6 +53,7 @@ GatheredCells gather_scattered(const GridData& data, const std::vector<std::size
   first = joined_points(g.points, distinct, [&](std::uint32_t) { return reach; });
   if (!first.empty()) std::erase_if(distinct, [&](std::uint32_t i) { return first[i] != i; });
   std::vector<Vec3> apart;
+  apart.reserve(distinct.size());
   for (const std::uint32_t i : distinct) apart.push_back(g.points[i]);
   g.cells = delaunay_tetrahedra(apart);
   for (std::uint32_t& p : g.cells.corners) p = distinct[p];
