@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
@@ -85,7 +86,9 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
       lines.push_back("no normals: every command estimates and orients them");
       break;
     case OrientationCheck::unoriented:
-      lines.push_back("the normals are not oriented consistently: every command orients them again");
+      lines.push_back(t.orientation.related < kLeastRelated
+                          ? "the normals are unrelated to those of neighbouring samples: every command estimates others"
+                          : "the normals are not oriented consistently: every command orients them again");
       break;
     case OrientationCheck::inward:
       lines.push_back("the normals point inward: every command turns them");

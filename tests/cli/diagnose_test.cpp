@@ -70,6 +70,8 @@ TEST_F(DiagnoseCommand, ListsEveryPlaceOrSaysHowManyMore) {
   const Outcome some = run({"diagnose", "scan.smf", "--places", "5", "--script-output", "edits.json"});
   EXPECT_NE(some.out.find("and 2 more: --places 7 lists all"), std::string::npos) << some.out;
   EXPECT_NE(some.out.find("; step 1\n"), std::string::npos) << some.out;
+  const Outcome seven = run({"diagnose", "scan.smf", "--places", "7"});
+  EXPECT_EQ(lines_at(seven.out), lines_at(all.out)) << "the remedy of the shorter list";
 
   // Pictures of the regions: a sheet, or one file each.
   const auto size_of = [&](const std::string& name) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include "sansmesh/error.h"
@@ -335,6 +336,19 @@ TEST(Reconstruct, SmallSolidsOfMeshesStay) {
   PointSet stray = mesh;  // vertices without a face make it a cloud again
   stray.positions.push_back({1.2f, 0.2f, 0});
   EXPECT_EQ(measure_topology(run(stray)).components, 1u);
+}
+
+TEST(Reconstruct, EstimatesNormalsThatAreUnrelated) {
+  PointSet cloud = test::sphere(4000);
+  std::mt19937 random(4);
+  std::normal_distribution<float> gauss;
+  for (Vec3f& n : cloud.normals) n = normalized(Vec3f{gauss(random), gauss(random), gauss(random)});
+  ReconstructReport report;
+  const TriangleMesh mesh = run(cloud, {}, &report);
+  EXPECT_TRUE(report.estimated_normals);
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_EQ(report.notes[0].code, "unrelated_normals");
+  for (const Vec3f& v : mesh.vertices) ASSERT_NEAR(norm(mesh.origin + Vec3(v)), 1, 0.005);
 }
 
 TEST(Reconstruct, SmallPartsOfManySamplesStay) {
