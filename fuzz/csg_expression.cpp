@@ -86,7 +86,7 @@ void mesh(const Solid& solid) {
   for (const Vec3f& v : made.vertices) demand(is_finite(v), "a vertex is not finite");
   demand(std::isfinite(report.area) && std::isfinite(report.volume), "area or volume are not finite");
   demand(report.closed == measure_topology(made).closed(), "the report calls an open mesh closed");
-  for (const std::string& warning : report.warnings) fuzz::check_message(warning);
+  for (const Note& note : report.notes) fuzz::check_message(note_line(note));
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ void cut_out(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const 
   for (const Vec3f& v : mesh.vertices) demand(is_finite(v), "a vertex is not finite");
   demand(std::isfinite(report.area) && (!report.volume || std::isfinite(*report.volume)),
          "area or volume are not finite");
-  for (const std::string& warning : report.warnings) fuzz::check_message(warning);
+  for (const Note& note : report.notes) fuzz::check_message(note_line(note));
 }
 
 }  // namespace

@@ -48,10 +48,9 @@ struct SANSMESH_API CloudTraits {
 };
 
 /// Measures the samples in O(n). The outliers take most of the time, about 2 µs of CPU per sample; openness takes up to
-/// a second. Remarks on the samples replace `warnings`, if that is not null. Throws DataError if no method can
+/// a second. Notes on the samples replace `notes`, if that is not null. Throws DataError if no method can
 /// reconstruct the points.
-SANSMESH_API CloudTraits measure_traits(PointSet points, Progress& progress,
-                                        std::vector<std::string>* warnings = nullptr);
+SANSMESH_API CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<Note>* notes = nullptr);
 
 /// One method for one aim.
 struct Recommendation {
@@ -73,7 +72,7 @@ struct SANSMESH_API Advice {
   /// Recommended methods, the first choice first; at least one each for a mesh, a picture, curvatures, solids (editing,
   /// CSG) and deformation.
   std::vector<Recommendation> recommendations;
-  std::vector<Note> notes;  ///< "preparation": remarks on the samples
+  std::vector<Note> notes;  ///< on the preparation of the samples
 
   static const ReportSchema& schema();  ///< one row per figure
 };

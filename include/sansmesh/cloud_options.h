@@ -51,9 +51,11 @@ enum class FaceUse {
 
 /// Treatment of given normals.
 enum class NormalUse {
-  automatic,  ///< used, but reoriented if inconsistent, inward or facing away from known scanners
-  as_given,   ///< used unchecked
-  estimate    ///< replaced by estimates
+  /// used, but reoriented if inconsistent, inward or facing away from known scanners, and replaced by estimates if
+  /// unrelated to those of neighbouring samples
+  automatic,
+  as_given,  ///< used unchecked
+  estimate   ///< replaced by estimates
 };
 
 /// Preparation of the samples before any method.

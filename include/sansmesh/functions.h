@@ -50,7 +50,7 @@ struct SANSMESH_API FitFunctionReport {
 struct FitFunctionResult {
   SurfaceFunction function;  ///< function with its samples
   FitFunctionReport report;  ///< preparation of the samples
-  std::vector<Note> notes;   ///< "preparation": notes on the samples
+  std::vector<Note> notes;   ///< on the preparation of the samples
 };
 
 /// Fits an adaptive partition of unity to points. Throws DataError if they cannot be reconstructed (fewer than 9, all
@@ -61,7 +61,7 @@ SANSMESH_API FitFunctionResult fit_function(PointSet points, const FitFunctionOp
 struct MeshFunctionResult {
   TriangleMesh mesh;        ///< mesh in the coordinates of the input
   MeshReport report;        ///< how it was made
-  std::vector<Note> notes;  ///< "mesh": options that could not be satisfied, or samples without a surface nearby
+  std::vector<Note> notes;  ///< options that could not be satisfied, samples without a surface
 };
 
 /// The zero set of the function as a manifold mesh in the coordinates of the input. It is closed unless it bounds no

@@ -51,8 +51,8 @@ class SANSMESH_API AnySurface {
   /// The function or isosurface in the input's coordinates; null for meshes and points. Valid as long as this surface
   /// or a copy of it.
   const ScalarField* field() const { return field_.get(); }
-  /// The mesh or the points. For a function or isosurface, a mesh that is made at every call, with its warnings added
-  /// to `notes` under the code "mesh". Throws DataError that begins with the name.
+  /// The mesh or the points. For a function or isosurface, a mesh that is made at every call, with its notes added to
+  /// `notes`. Throws DataError that begins with the name.
   std::shared_ptr<const TriangleMesh> mesh(Progress& progress, std::vector<Note>& notes) const;
   /// Bounding box of the mesh, the points or the samples of a function (the function's own box if it has none).
   Box3 bounds() const;
@@ -79,7 +79,7 @@ struct SANSMESH_API AlignResult {
   SurfaceAlignment report;  ///< quality of the fit; its motion is applied after `before`
   /// "not_unique": other poses fit equally well; "free_motions": the surfaces can slide on each other;
   /// "little_overlap"; "mirrored": the mirror image fits instead; "other_shape": the surfaces differ by more than
-  /// noise; "mesh": notes on a mesh that was made.
+  /// noise; those of a mesh that was made.
   std::vector<Note> notes;
 
   static const ReportSchema& schema();  ///< report rows
@@ -184,7 +184,7 @@ struct MeasureResult {
   /// "open": no volume; "encloses_nothing": its sides cancel out; "faces_inward": the volume is negative; "cavities";
   /// "inside_out": parts that face inward but bound no cavity; "nested", "crossing_components", "crosses_itself":
   /// volume that counts more than once; "nonmanifold": edges with more than two triangles; "bad_corners": triangles
-  /// were dropped; "mesh": notes on the mesh that was made.
+  /// were dropped; those of the mesh that was made.
   std::vector<Note> notes;
 };
 

@@ -51,7 +51,7 @@ struct SANSMESH_API VolumeIsosurfaceReport {
 struct VolumeIsosurfaceResult {
   TriangleMesh mesh;              ///< mesh in the input's coordinates
   VolumeIsosurfaceReport report;  ///< how it was made
-  /// Those of VolumeModel::field; "mesh": notes on the mesh; "not_carried": an array does not fit into floats.
+  /// Those of VolumeModel::field and of the mesh; "not_carried": an array does not fit into floats.
   std::vector<Note> notes;
 };
 
@@ -174,7 +174,7 @@ struct SANSMESH_API MeshInVolumeReport {
 struct MeshInVolume {
   TriangleMesh mesh;          ///< mesh in the input's coordinates
   MeshInVolumeReport report;  ///< how it was made
-  std::vector<Note> notes;    ///< "mesh": notes on the mesh
+  std::vector<Note> notes;    ///< notes on the mesh
 };
 
 /// Meshes the surface. Throws ArgumentError for bad options, DataError if nothing is found, Cancelled.

@@ -9,6 +9,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
@@ -90,8 +91,8 @@ struct SANSMESH_API MeshReport {
   bool open = false;            ///< part of the surface bounds no solid and ends where its samples end
   /// Share of the samples without a surface: farther from the mesh than two spacings and four times the noise.
   double lost = 0;
-  std::optional<Vec3> most_lost;      ///< location of most of these samples, if their share exceeds 0.01
-  std::vector<std::string> warnings;  ///< requests that could not be met, one sentence each
+  std::optional<Vec3> most_lost;  ///< location of most of these samples, if their share exceeds 0.01
+  std::vector<Note> notes;        ///< requests that could not be met, and samples without a surface
 
   static const ReportSchema& schema();  ///< one row per reported value
 };
@@ -138,7 +139,7 @@ struct SANSMESH_API CsgMeshReport {
   double volume = 0;           ///< volume of the mesh, length³
   double mean_error = 0;       ///< mean distance from triangle centroids to the surface, weighted by area (length)
   double largest_error = 0;    ///< largest distance from a triangle centroid to the surface (length)
-  std::vector<std::string> warnings;  ///< requests that could not be met, one sentence each
+  std::vector<Note> notes;     ///< requests that could not be met
 
   static const ReportSchema& schema();  ///< one row per reported value
 };

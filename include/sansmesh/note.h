@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sansmesh::inline v1 {
@@ -19,11 +20,21 @@ struct Note {
   std::string remedy = {};                ///< suggested remedy; empty if none is known
   Severity severity = Severity::warning;  ///< warning if the result may not be as intended
   std::string of = {};                    ///< name of the input, if the job has several
+
+  bool operator==(const Note&) const = default;
 };
 
 /// Text with the remedy in parentheses.
 inline std::string note_line(const Note& note) {
   return note.remedy.empty() ? note.text : note.text + " (" + note.remedy + ")";
+}
+
+/// Appends notes; `of` names the input of those without a name.
+inline void add_notes(std::vector<Note>& notes, std::vector<Note> more, const std::string& of = {}) {
+  for (Note& note : more) {
+    if (note.of.empty()) note.of = of;
+    notes.push_back(std::move(note));
+  }
 }
 
 /// Appends a warning with this code and no remedy for each line; `of` names the input. For parts of the library that

@@ -137,7 +137,7 @@ struct CurvatureResult {
   /// A mesh keeps all vertices in order, and its triangles.
   PointSet points;
   CurvatureReport report;  ///< statistics
-  /// "preparation": notes on the samples.
+  /// On the preparation of the samples.
   std::vector<Note> notes;
 };
 
@@ -188,7 +188,7 @@ struct SANSMESH_API ProjectReport {
 struct ProjectResult {
   PointSet points;       ///< moved or new points, with normals if the surface has them
   ProjectReport report;  ///< statistics
-  /// "surface": notes on the samples and their surface, with its name.
+  /// On the preparation of the samples of the surface, with its name.
   std::vector<Note> notes;
 };
 

@@ -59,8 +59,8 @@ struct SANSMESH_API ReconstructReport : MeshReport {
 struct ReconstructResult {
   TriangleMesh mesh;         ///< mesh in the coordinates of the input
   ReconstructReport report;  ///< how it was made
-  /// "preparation": notes on the samples; "mesh": options that could not be satisfied, or samples without a surface
-  /// nearby.
+  /// On the preparation of the samples, options that could not be satisfied, parts that were left out
+  /// ("parts_left_out") and samples without a surface ("lost_samples").
   std::vector<Note> notes;
 };
 

@@ -54,7 +54,7 @@ SANSMESH_API SolidModel read_solid(const std::string& expression, Progress& prog
 struct CsgResult {
   TriangleMesh mesh;     ///< mesh in the coordinates of the expression
   CsgMeshReport report;  ///< how it was made
-  /// "open": functions whose surface bounds no solid; "mesh": notes on the mesh.
+  /// "open": functions whose surface bounds no solid; notes on the mesh.
   std::vector<Note> notes;
 };
 

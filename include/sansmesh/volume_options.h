@@ -11,6 +11,7 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/box.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/report.h"
 #include "sansmesh/volume_reconstruction_options.h"
@@ -87,14 +88,14 @@ struct SANSMESH_API IsosurfaceOptions {
 
 /// Figures of an isosurface mesh.
 struct SANSMESH_API IsosurfaceReport {
-  std::size_t blocks = 0;             ///< number of blocks polygonised
-  double cell = 0;                    ///< edge of the smallest blocks (length)
-  double mesh_error = 0;              ///< target distance between mesh and surface (length)
-  std::size_t components = 0;         ///< number of connected components
-  bool closed = false;                ///< no edge is open
-  double area = 0;                    ///< length²
-  std::optional<double> volume;       ///< enclosed volume, if closed
-  std::vector<std::string> warnings;  ///< one line each
+  std::size_t blocks = 0;        ///< number of blocks polygonised
+  double cell = 0;               ///< edge of the smallest blocks (length)
+  double mesh_error = 0;         ///< target distance between mesh and surface (length)
+  std::size_t components = 0;    ///< number of connected components
+  bool closed = false;           ///< no edge is open
+  double area = 0;               ///< length²
+  std::optional<double> volume;  ///< enclosed volume, if closed
+  std::vector<Note> notes;       ///< requests that could not be met
 
   static const ReportSchema& schema();  ///< one row per figure
 };

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -84,7 +86,9 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
       lines.push_back("no normals: every command estimates and orients them");
       break;
     case OrientationCheck::unoriented:
-      lines.push_back("the normals are not oriented consistently: every command orients them again");
+      lines.push_back(t.orientation.related < kLeastRelated
+                          ? "the normals are unrelated to those of neighbouring samples: every command estimates others"
+                          : "the normals are not oriented consistently: every command orients them again");
       break;
     case OrientationCheck::inward:
       lines.push_back("the normals point inward: every command turns them");
@@ -113,9 +117,10 @@ Recommendation mesh(const Judgement& j) {
     why = "the other methods need many times the time for so many samples";
   if (strays_go) why += "; without the stray samples, which would ruin a closed surface";
   if (j.open)
-    why += "; it ends where the samples end (`open = false` closes it), gaps narrower than `fill_holes` are filled";
+    why += fmt::format("; it ends where the samples end ({}, {})", remedy("advice_open", "open").text,
+                       remedy("advice_open", "fill_holes").text);
   else if (j.border || j.holes)
-    why += "; borders and holes are closed, `open = true` leaves open what is wider than `fill_holes`";
+    why += fmt::format("; borders and holes are closed ({})", remedy("advice_closed", "open").text);
   return {.aim = Aim::mesh, .surface = "partition", .remove_outliers = strays_go, .why = std::move(why)};
 }
 
@@ -203,10 +208,9 @@ std::vector<std::string> summary_of(const Advice& advice) {
 }
 
 Advice advise(const PointSet& points, Progress& progress) {
-  std::vector<std::string> warnings;
-  const CloudTraits traits = measure_traits(points, progress, &warnings);
-  Advice advice = advise(traits);
-  add_notes(advice.notes, "preparation", warnings);
+  std::vector<Note> notes;
+  Advice advice = advise(measure_traits(points, progress, &notes));
+  advice.notes = std::move(notes);
   return advice;
 }
 

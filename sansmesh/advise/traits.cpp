@@ -200,12 +200,12 @@ void measure_borders(const PointSet& points, CloudTraits& traits) {
 
 }  // namespace
 
-CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::string>* warnings) {
+CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<Note>* notes) {
   CloudTraits traits;
   traits.faces = !given.triangles.empty();
   if (traits.faces) measure_open_edges(given, traits);
   PreparedCloud cloud = prepare_positions(std::move(given), FaceUse::automatic, progress);
-  if (warnings) *warnings = cloud.warnings;
+  if (notes) *notes = cloud.notes;
   PointSet& points = cloud.points;
   traits.samples = points.size();
 

@@ -300,7 +300,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
     csg.components = options.components;
     CsgMeshReport made;
     TriangleMesh mesh = mesh_csg(own_solid(borrowed), csg, progress, &made);
-    r.blocks = made.blocks, r.cell = frame.to_input(made.cell), r.warnings = made.warnings;
+    r.blocks = made.blocks, r.cell = frame.to_input(made.cell), r.notes = std::move(made.notes);
     move_to_input(mesh, frame);
     measure_iso(mesh, r);
     return mesh;
@@ -314,7 +314,9 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
     blocks = iso_blocks(surface, cell, scale, progress);
   }
   if (scale > 1)
-    r.warnings.push_back(fmt::format("the surface is so large that blocks are {} times as wide as requested", scale));
+    r.notes.push_back(
+        {.code = "coarse_blocks",
+         .text = fmt::format("the surface is so large that blocks are {} times as wide as requested", scale)});
   r.cell = frame.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
 
   MeshOptions meshing;
@@ -331,12 +333,11 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   progress.begin("finish mesh");
   detail::choose_components(mesh, options.components, {}, 0, made);
   r.blocks = made.blocks;
-  r.warnings.insert(r.warnings.end(), made.warnings.begin(), made.warnings.end());
+  add_notes(r.notes, std::move(made.notes));
   move_to_input(mesh, frame);
   measure_iso(mesh, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
-    r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
-                         ": each part, hole and handle needs some");
+    r.notes.push_back(detail::too_many_triangles(mesh.triangles.size(), *options.triangles));
   progress.finish();
   return mesh;
 }

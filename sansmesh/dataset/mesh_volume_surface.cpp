@@ -14,6 +14,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -107,8 +108,8 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
     const std::size_t dropped = drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
     if (dropped > 0)
-      r.warnings.push_back(counted(dropped, "part") +
-                           " too small for weights of this width left out (`components = all` keeps them)");
+      r.notes.push_back(with_remedy(remedy("parts_left_out", "components"),
+                                    counted(dropped, "part") + " too small for weights of this width left out"));
   } else {
     detail::choose_components(mesh, meshing.components, {}, 0, r);
   }

@@ -34,8 +34,9 @@ constexpr double kOneWay = 0.2;
 constexpr double kBallMargin = 1.05;
 /// A sheet is removed if its share of vertices on kept components is at most this.
 constexpr double kShared = 0.1;
-/// Edits are tried this often, each time without those that were harmful within this many radii of their regions.
-constexpr int kTrials = 3;
+/// Edits are tried this often, each time without those that were useless, or harmful within this many radii of their
+/// regions.
+constexpr int kTrials = 6;
 constexpr double kHarmMargin = 1.5;
 /// A remeshed surface may lose one more sample in this many, those at the limit distance.
 constexpr std::size_t kSpared = 20000;
@@ -49,6 +50,7 @@ struct Flagged {
   std::vector<std::uint8_t> flag;
   std::vector<double> value;
 };
+using AllFlagged = std::array<Flagged, kSuspicions>;
 
 /// Largest gradient around each support's foot, within its ball.
 std::vector<double> steepness(const PartitionOfUnity& field) {
@@ -137,27 +139,20 @@ std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshCompo
   return evidence;
 }
 
-/// Components that hardly any samples represent, 1 for each. The mesh is in the coordinates of the field.
+/// Components that the default mesh leaves out and, beside closed surfaces, those that hardly any samples represent:
+/// 1 for each. The mesh is in the coordinates of the field.
 std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshComponents& components,
                                            const FittedFunction& function) {
   const PartitionReport& report = function.field.report();
-  const bool sampled = function.samples->size() > 0;
-  std::vector<std::uint8_t> extra(components.size(), 0);
-  if (report.open_area > 0) {
-    // A scene has parts of all sizes: a sampled part belongs to it, even if it is small beside the largest.
-    if (!sampled) return extra;
-    extra = detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, true);
-    for (std::uint8_t& e : extra) e = !e;
-    return extra;
-  }
-  const std::vector<double> evidence =
-      sampled ? component_evidence(mesh, components, function) : std::vector<double>(components.size(), 1.0);
-  // The largest component with evidence is the reference for the others.
-  double largest = 0;
-  for (std::size_t c = 0; c < extra.size(); ++c)
-    if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
-  for (std::size_t c = 0; c < extra.size(); ++c)
-    extra[c] = evidence[c] < kLeastEvidence || components.area[c] < detail::kSmallComponent * largest;
+  const bool sampled = function.samples->size() > 0, open = report.open_area > 0;
+  // A scene has parts of all sizes, which only samples can judge.
+  if (open && !sampled) return std::vector<std::uint8_t>(components.size(), 0);
+  std::vector<std::uint8_t> extra =
+      detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, open);
+  for (std::uint8_t& e : extra) e = !e;
+  if (open || !sampled) return extra;
+  const std::vector<double> evidence = component_evidence(mesh, components, function);
+  for (std::size_t c = 0; c < extra.size(); ++c) extra[c] = extra[c] || evidence[c] < kLeastEvidence;
   return extra;
 }
 
@@ -229,6 +224,28 @@ bool is_looked_at(const PartitionData& data, const Support& s) {
   return s.state == Support::fitted && !(data.paper && s.area == 0);
 }
 
+/// Flags the supports beyond the thresholds; `error` in the coordinates of the field.
+AllFlagged flag_supports(const FittedFunction& function, const DiagnoseOptions& options, double error) {
+  const PartitionData& data = function.field.data();
+  const std::size_t n = data.supports.size();
+  const std::vector<double> steepest = steepness(function.field);
+  AllFlagged flagged;
+  for (Flagged& f : flagged) f.flag.assign(n, 0), f.value.assign(n, 0);
+  const auto of = [&](Suspicion kind) -> Flagged& { return flagged[static_cast<std::size_t>(kind)]; };
+  for (std::size_t i = 0; i < n; ++i) {
+    const Support& s = data.supports[i];
+    if (!is_looked_at(data, s)) continue;
+    // Where samples end, an open sheet ends too: that is no defect.
+    of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
+    of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
+    of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
+    of(Suspicion::high_error).value[i] = function.frame.to_input(static_cast<double>(s.error));
+    of(Suspicion::steep).flag[i] = steepest[i] > options.gradient_above;
+    of(Suspicion::steep).value[i] = steepest[i];
+  }
+  return flagged;
+}
+
 /// Suggests an edit for a region; `refits`: it can be refitted locally. Few samples determine planes only;
 /// contradicting ones need wide supports.
 void suggest(SuspiciousRegion& p, const DiagnoseOptions& options, double error_above, bool refits) {
@@ -256,20 +273,55 @@ std::vector<std::uint8_t> lost_samples_of(const FittedFunction& function, const 
   return far_samples(mesh, *function.samples, lost_beyond(report.spacing, report.noise));
 }
 
-/// The surface after all proposed edits, in the coordinates of the field; nothing if it cannot be made.
-std::optional<TriangleMesh> repaired_mesh(const FittedFunction& function, const Diagnosis& diagnosis,
-                                          Progress& progress) {
-  MeshOptions meshing;
-  meshing.carry_colors = false;
+/// The function after all proposed edits; nothing if they fail.
+std::optional<FittedFunction> repaired(const FittedFunction& function, const Diagnosis& diagnosis, Progress& progress) {
   try {
     FunctionEditor editor(function);
     for (const Edit& edit : diagnosis.edits()) editor.apply(edit, progress);
-    TriangleMesh mesh = mesh_function(editor.function(), meshing, progress);
+    return editor.function();
+  } catch (const DataError&) {
+    return std::nullopt;
+  }
+}
+
+/// Its default mesh in the coordinates of the field; nothing if there is none.
+std::optional<TriangleMesh> repaired_mesh(const FittedFunction& function, Progress& progress) {
+  MeshOptions meshing;
+  meshing.carry_colors = false;
+  try {
+    TriangleMesh mesh = mesh_function(function, meshing, progress);
     move_from_input(mesh, function.frame);
     return mesh;
   } catch (const DataError&) {
     return std::nullopt;
   }
+}
+
+/// Number of flagged supports of a region that an edit can repair. Where samples cover little, planes are the repair.
+std::size_t count_flagged(const FittedFunction& function, const AllFlagged& flagged, const SuspiciousRegion& region) {
+  const PartitionData& data = function.field.data();
+  const std::vector<std::uint8_t>& flag = flagged[static_cast<std::size_t>(region.kind)].flag;
+  const bool planes = region.kind == Suspicion::low_coverage;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < flag.size(); ++i) {
+    if (!flag[i] || (planes && data.functions[i].degree <= 1)) continue;
+    const Vec3 foot = function.frame.to_input(data.origin + Vec3(data.supports[i].foot));
+    count += norm(foot - region.position) <= kBallMargin * region.radius;
+  }
+  return count;
+}
+
+/// Reverts the edits after which their region is as doubtful as before. False if there are none.
+bool revert_useless(const FittedFunction& before, const AllFlagged& flagged_before, const FittedFunction& after,
+                    const DiagnoseOptions& options, double error, Diagnosis& diagnosis) {
+  const AllFlagged flagged = flag_supports(after, options, error);
+  bool any = false;
+  for (SuspiciousRegion& p : diagnosis.regions) {
+    if (!p.edit || p.kind == Suspicion::extra_sheet) continue;
+    if (count_flagged(before, flagged_before, p) > 0 && count_flagged(after, flagged, p) == 0) continue;
+    p.edit.reset(), any = true;
+  }
+  return any;
 }
 
 /// Reverts the edits around which samples lost their surface that had one according to `lost_before`. False if no edit
@@ -296,13 +348,17 @@ bool revert_harmful(const FittedFunction& function, const std::vector<std::uint8
   return std::find(harmful.begin(), harmful.end(), 1) != harmful.end();
 }
 
-/// Tries the edits, and reverts those that remove surface near samples. `lost_before`: without edits.
-void try_edits(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before, Diagnosis& diagnosis,
-               Progress& progress) {
+/// Tries the edits, and reverts those that do not repair their region and those that remove surface near samples.
+/// `lost_before`: without edits.
+void try_edits(const FittedFunction& function, const AllFlagged& flagged, const std::vector<std::uint8_t>& lost_before,
+               const DiagnoseOptions& options, double error, Diagnosis& diagnosis, Progress& progress) {
   const auto most =
       std::count(lost_before.begin(), lost_before.end(), 1) + static_cast<std::ptrdiff_t>(lost_before.size() / kSpared);
   for (int round = 0; round < kTrials && !diagnosis.edits().empty(); ++round) {
-    const std::optional<TriangleMesh> mesh = repaired_mesh(function, diagnosis, progress);
+    const std::optional<FittedFunction> after = repaired(function, diagnosis, progress);
+    if (!after) break;
+    if (revert_useless(function, flagged, *after, options, error, diagnosis)) continue;
+    const std::optional<TriangleMesh> mesh = repaired_mesh(*after, progress);
     if (!mesh) break;
     const std::vector<std::uint8_t> lost = lost_samples_of(function, *mesh);
     if (std::count(lost.begin(), lost.end(), 1) <= most) return;
@@ -392,22 +448,9 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
                                            : std::max(kErrorOverMedian * static_cast<double>(median(errors)),
                                                       kErrorOverSpacing * field.report().spacing);
   diagnosis.error_above = function.frame.to_input(error);
-  const std::vector<double> steepest = steepness(field);
-  std::array<Flagged, kSuspicions> flagged;
-  for (Flagged& f : flagged) f.flag.assign(n, 0), f.value.assign(n, 0);
-  const auto of = [&](Suspicion kind) -> Flagged& { return flagged[static_cast<std::size_t>(kind)]; };
-  for (std::size_t i = 0; i < n; ++i) {
-    const Support& s = data.supports[i];
-    if (!is_looked_at(data, s)) continue;
-    diagnosis.largest_gradient = std::max(diagnosis.largest_gradient, steepest[i]);
-    // Where samples end, an open sheet ends too: that is no defect.
-    of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
-    of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
-    of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
-    of(Suspicion::high_error).value[i] = function.frame.to_input(static_cast<double>(s.error));
-    of(Suspicion::steep).flag[i] = steepest[i] > options.gradient_above;
-    of(Suspicion::steep).value[i] = steepest[i];
-  }
+  const AllFlagged flagged = flag_supports(function, options, error);
+  for (const double gradient : flagged[static_cast<std::size_t>(Suspicion::steep)].value)
+    diagnosis.largest_gradient = std::max(diagnosis.largest_gradient, gradient);
   std::vector<Vec3f> foot(n);
   for (std::size_t i = 0; i < n; ++i) foot[i] = data.supports[i].foot;
   const KdTree feet(foot);
@@ -416,7 +459,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   move_from_input(mesh, function.frame);
   find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
-    gather_regions(function, kind, of(kind), diagnosis);
+    gather_regions(function, kind, flagged[static_cast<std::size_t>(kind)], diagnosis);
   // Limits the number of regions of each kind.
   std::array<std::size_t, kSuspicions> kept{};
   std::erase_if(diagnosis.regions, [&](const SuspiciousRegion& p) {
@@ -428,7 +471,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
     MeshReport report;
     report.open = field.report().open_area > 0;
     detail::choose_components(mesh, {}, *function.samples, field.report().spacing, report);
-    try_edits(function, lost_samples_of(function, mesh), diagnosis, progress);
+    try_edits(function, flagged, lost_samples_of(function, mesh), options, error, diagnosis, progress);
   }
   color_mesh(function, feet, flagged, extra, diagnosis.mesh);
   progress.finish();

@@ -56,7 +56,7 @@ FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& optio
     PartitionOfUnity paper =
         fit_paper_partition(std::move(cloud.points), paper_options(options), progress, sorted.get(), &report);
     sorted->of_faces = faces;
-    return {std::move(paper), cloud.frame, std::move(sorted), {}, std::move(cloud.warnings), report};
+    return {std::move(paper), cloud.frame, std::move(sorted), {}, std::move(cloud.notes), report};
   }
   PartitionOptions fit = partition_options(options, cloud.frame);
   if (!fit.open && cloud.closed_faces && cloud.points.of_faces) fit.open = false;
@@ -65,7 +65,7 @@ FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& optio
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
   samples->of_faces = of_faces;
-  return {std::move(field), cloud.frame, std::move(samples), {}, std::move(cloud.warnings), {}};
+  return {std::move(field), cloud.frame, std::move(samples), {}, std::move(cloud.notes), {}};
 }
 
 }  // namespace sansmesh::inline v1

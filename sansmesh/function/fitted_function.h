@@ -24,9 +24,9 @@ struct FittedFunction {
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty if they were not kept:
   /// such a function can be meshed and evaluated, but not refitted.
   std::shared_ptr<const PointSet> samples;
-  std::vector<std::string> history;   ///< edits applied so far, one line each
-  std::vector<std::string> warnings;  ///< warnings of the preparation of the samples; not kept in files
-  std::optional<PaperReport> paper;   ///< statistics of the blocks of FitMethod::paper; not kept in files
+  std::vector<std::string> history;  ///< edits applied so far, one line each
+  std::vector<Note> notes;           ///< notes on the preparation of the samples; not kept in files
+  std::optional<PaperReport> paper;  ///< statistics of the blocks of FitMethod::paper; not kept in files
 };
 
 /// Fits a function to clean and oriented samples. Throws ArgumentError for invalid options.

@@ -114,16 +114,12 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
     // Cuts by the box are irrelevant for the choice of components.
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
-  detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, finish, r);
+  detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, frame, finish, r);
   detail::mark_confidence(mesh, points, f.spacing, f.noise, frame, options, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
-    r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
-                         ": each part, hole and handle needs some");
+    r.notes.push_back(detail::too_many_triangles(mesh.triangles.size(), *options.triangles));
   // An edit removes the surface of samples on purpose.
-  if (r.most_lost && function.history.empty()) {
-    r.most_lost = frame.to_input(*r.most_lost);
-    r.warnings.push_back(detail::lost_samples(r));
-  }
+  if (!function.history.empty()) std::erase_if(r.notes, [](const Note& n) { return n.code == detail::kLostSamples; });
   move_to_input(mesh, frame);
   progress.finish();
   return mesh;

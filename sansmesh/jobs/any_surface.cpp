@@ -65,12 +65,12 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
     if (isosurface_) {
       IsosurfaceReport report;
       auto made = std::make_shared<const TriangleMesh>(mesh_isosurface(*isosurface_, {}, progress, &report));
-      add_notes(notes, "mesh", report.warnings, name_);
+      add_notes(notes, report.notes, name_);
       return made;
     }
     MeshReport report;
     auto made = std::make_shared<const TriangleMesh>(mesh_function(function_->fitted(), {}, progress, &report));
-    add_notes(notes, "mesh", report.warnings, name_);
+    add_notes(notes, report.notes, name_);
     return made;
   });
 }

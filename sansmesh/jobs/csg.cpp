@@ -13,7 +13,7 @@ CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, 
   CsgResult result;
   result.mesh = mesh_csg(solid.parts().solid, own, progress, &result.report);
   result.notes = solid.open_notes();
-  add_notes(result.notes, "mesh", result.report.warnings);
+  add_notes(result.notes, result.report.notes);
   return result;
 }
 

@@ -51,7 +51,7 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
     given.attributes.set(kRow, std::move(rows));
   }
   PreparedCloud cloud = prepare_cloud(std::move(given), use, progress);
-  add_notes(notes, "preparation", cloud.warnings);
+  add_notes(notes, std::move(cloud.notes));
   if (options.noise)
     options.noise = cloud.frame.from_input(*options.noise);
   else  // measured unless normals are given

@@ -105,7 +105,7 @@ class SolidPoses {
     if (aim_ == DeformAim::picture) return DeformedPicture{picture_of(field, folded, share)};
     DeformReport& r = result_.report;
     TriangleMesh mesh = mesh_csg(field, mesh_options(), progress_, &r.solid.emplace());
-    for (const std::string& line : r.solid->warnings) note_once("mesh", line);
+    for (const Note& note : r.solid->notes) note_once(note);
     r.vertices = mesh.vertices.size(), r.triangles = mesh.triangles.size();
     return mesh;
   }
@@ -134,16 +134,18 @@ class SolidPoses {
     MeshDeformReport report;
     mesh = deform_mesh(std::move(mesh), InverseMap(maps.backward, kVertexShare * size, maps.forward), {}, &report);
     if (report.undefined > 0)
-      note_once("undefined",
-                fmt::format("{} vertices do not move: the map has no inverse there", grouped(report.undefined)));
+      note_once(
+          {.code = "undefined",
+           .text = fmt::format("{} vertices do not move: the map has no inverse there", grouped(report.undefined))});
     return mesh;
   }
 
   /// Adds a note unless another pose has added it.
-  void note_once(const char* code, const std::string& text) {
+  void note_once(Note note) {
     std::vector<Note>& notes = result_.notes;
-    if (std::none_of(notes.begin(), notes.end(), [&](const Note& n) { return n.text == text; }))
-      notes.push_back({.code = code, .text = text, .of = solid_.expression()});
+    if (std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.text == note.text; })) return;
+    note.of = solid_.expression();
+    notes.push_back(std::move(note));
   }
 
   DeformedPose of_open(const DeformationMaps& maps, double share) {

@@ -114,7 +114,7 @@ class ObjectScene {
   Drawn function(PictureObject& object, std::size_t k, const std::string& color) {
     meshless_.push_back(std::make_unique<MeshlessObject>(make_surface_model(object.function->fitted()), progress_));
     const auto& [model, caster] = *meshless_.back();
-    add_notes(result_.notes, "surface", model.warnings(), object.name);
+    add_notes(result_.notes, model.notes(), object.name);
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);
     const auto& samples = model.points().positions;
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)

@@ -133,7 +133,7 @@ void draw_surface(PictureObject object, const PictureOptions& o, CrestsFrom cres
   with_name(object.name, [&] {
     std::optional<CurvedVertices> mesh;
     const SurfaceModel model = model_of(object, o, mesh, progress);
-    add_notes(result.notes, "surface", model.warnings(), object.name);
+    add_notes(result.notes, model.notes(), object.name);
     paint_all(o, model, std::move(mesh), crests, use, result.report, progress);
     result.report.surface = model.report();
   });

@@ -21,8 +21,7 @@ FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& option
   PreparedCloud cloud = prepare_cloud(std::move(points), options.cloud, progress, ClutterUse::leave_out);
   FitFunctionReport report{cloud.estimated_normals, cloud.oriented_by, cloud.alignment};
   FittedFunction function = fit_surface_function(std::move(cloud), options.fit, progress);
-  std::vector<Note> notes;
-  add_notes(notes, "preparation", function.warnings);
+  std::vector<Note> notes = std::move(function.notes);
   return {SurfaceFunction(std::move(function)), std::move(report), std::move(notes)};
 }
 

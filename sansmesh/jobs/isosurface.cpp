@@ -86,7 +86,7 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
   result.mesh = with_name(volume.name(), [&] { return mesh_isosurface(*surface, options.mesh, progress, &r.mesh); });
   progress.begin("carry arrays");
   carry_along(wanted, volume, result, progress);
-  add_notes(result.notes, "mesh", r.mesh.warnings, volume.name());
+  add_notes(result.notes, r.mesh.notes, volume.name());
   r.reconstruction = volume.report();
   return result;
 }

@@ -7,7 +7,7 @@ namespace sansmesh::inline v1 {
 MeshFunctionResult mesh_of_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress) {
   MeshFunctionResult result;
   result.mesh = mesh_function(function.fitted(), options, progress, &result.report);
-  add_notes(result.notes, "mesh", result.report.warnings);
+  add_notes(result.notes, result.report.notes);
   return result;
 }
 

@@ -50,7 +50,7 @@ void PictureContents::add_points(const std::string& file, const RenderOptions& l
                                                     : make_surface_model(read_points(file), SurfaceOptions{}, progress),
                                                 progress));
   const SeenSurface& s = *seen_.back();
-  add_notes(notes_, "surface", s.model.warnings(), file);
+  add_notes(notes_, s.model.notes(), file);
   surfaces_.push_back(scene_factory(s.caster, s.model.frame(), s.model.colors(), surface));
 }
 

@@ -64,7 +64,7 @@ PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult&
     const SurfaceModel model = surface ? make_surface_model(std::move(prepared), *surface, progress)
                                        : make_recommended_surface(std::move(prepared), progress);
     result.report.method = model.report().method;
-    add_notes(result.notes, "surface", model.warnings(), of);
+    add_notes(result.notes, model.notes(), of);
     SurfaceProjection& moved = result.report.moved;
     return o.point_count ? resample_surface(model, *o.point_count, o.steps, progress, &moved)
                          : project_points(input.points, model, o.steps, progress, &moved);

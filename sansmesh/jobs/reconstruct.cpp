@@ -23,6 +23,7 @@
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
 #include "sansmesh/points/orient_words.h"
+#include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -31,8 +32,6 @@ using namespace detail;
 
 /// Mesh error of surfaces without an error estimate, as factors of spacing and noise.
 constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
-
-constexpr const char* kKeepAll = "; `components = all` keeps every part";
 
 PreparedCloud prepare(PointSet points, const CloudPreparation& use, Progress& progress, ReconstructReport& r) {
   PreparedCloud cloud = prepare_cloud(std::move(points), use, progress, ClutterUse::leave_out);
@@ -62,7 +61,7 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
   const SurfaceModel model =
       make_surface_model(prepare(std::move(points), options.cloud, progress, r), choice, progress);
   const SurfaceTraits traits = model.traits();
-  add_notes(result.notes, "preparation", model.warnings());
+  add_notes(result.notes, model.notes());
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
   const LocalFrame& frame = model.frame();
@@ -96,15 +95,52 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
   TriangleMesh& mesh = result.mesh = cut_out(field, blocks, asked, meshing, progress, r);
 
   progress.begin("finish mesh");
-  finish_mesh(mesh, model.points(), spacing, frame.from_input(r.noise), mesh_error, asked, r);
+  finish_mesh(mesh, model.points(), spacing, frame.from_input(r.noise), mesh_error, frame, asked, r);
   mark_confidence(mesh, model.points(), spacing, frame.from_input(r.noise), frame, asked, r);
-  if (r.most_lost) {
-    r.most_lost = frame.to_input(*r.most_lost);
-    r.warnings.push_back(lost_samples(r) + kKeepAll);
-  }
   move_to_input(mesh, frame);
-  add_notes(result.notes, "mesh", r.warnings);
+  add_notes(result.notes, r.notes);
   progress.finish();
+}
+
+/// Largest number of samples for which remedies are tried.
+constexpr std::size_t kMostTried = 1000000;
+
+/// Whether a surface of the samples with other options is near all but a few of them.
+bool keeps_samples(const FittedFunction& function, const ReconstructOptions& options, Progress& progress) {
+  PreparedCloud cloud;
+  cloud.points = *function.samples;
+  cloud.frame = function.frame;
+  MeshReport r;
+  try {
+    if (options.cloud.remove_outliers.value_or(false)) {
+      leave_out_outliers(cloud, true, ClutterUse::keep, progress);
+      if (cloud.points.size() == function.samples->size()) return false;
+    }
+    mesh_function(fit_surface_function(std::move(cloud), options.fit, progress), options.mesh, progress, &r);
+  } catch (const DataError&) {
+    return false;
+  }
+  return !lost_samples(r);
+}
+
+/// Names the option that leaves out lost samples or gives them a surface, if a trial confirms it.
+void find_remedy(const FittedFunction& function, const ReconstructOptions& options, Progress& progress,
+                 MeshReport& report) {
+  Note* const note = lost_samples(report);
+  if (!note || options.fit.is_paper() || function.samples->size() > kMostTried) return;
+  const auto helps = [&](const Remedy& remedy, const ReconstructOptions& other) {
+    if (!keeps_samples(function, other, progress)) return false;
+    note->remedy = remedy.text;
+    return true;
+  };
+  ReconstructOptions other = options;
+  if (!options.cloud.remove_outliers) {
+    other.cloud.remove_outliers = true;
+    if (helps(remedy("lost_samples", "remove_outliers"), other)) return;
+    other = options;
+  }
+  other.fit.open = true;
+  if (note->remedy.empty() && !options.fit.open.value_or(false)) helps(remedy("lost_samples", "open"), other);
 }
 
 }  // namespace
@@ -151,6 +187,7 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
       fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
   const PartitionReport& f = function.field.report();
   result.mesh = mesh_function(function, options.mesh, progress, &r);
+  find_remedy(function, options, progress, r);
   r.spacing = function.frame.to_input(f.spacing);
   r.noise = function.frame.to_input(f.noise);
   r.fits = f.functions;
@@ -159,10 +196,8 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   r.paper = function.paper;
   r.open_share = f.area > 0 ? f.open_area / f.area : 0;
   r.mean_winding_number = f.mean_winding_number;
-  if (r.most_lost && !r.warnings.empty())
-    r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where the samples end" : kKeepAll;
-  add_notes(result.notes, "preparation", function.warnings);
-  add_notes(result.notes, "mesh", r.warnings);
+  add_notes(result.notes, function.notes);
+  add_notes(result.notes, r.notes);
   return result;
 }
 

@@ -96,7 +96,7 @@ MeshInVolume mesh_of_surface(const SurfaceInVolume& surface, const MeshInVolumeO
   MeshInVolumeReport& r = result.report;
   result.mesh =
       with_name(surface.name, [&] { return mesh_volume_surface(*surface.surface, meshing, progress, &r.mesh); });
-  add_notes(result.notes, "mesh", r.mesh.warnings, surface.name);
+  add_notes(result.notes, r.mesh.notes, surface.name);
   const MeshSize size = measure_size(result.mesh);
   r.area = size.area;
   if (!r.mesh.open) r.volume = size.volume;

@@ -197,8 +197,9 @@ Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cel
 /// Clips a solid by intersection, so that the cut faces have crease edges.
 Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
 
-std::string too_thin_for(double cell, double thickness) {
-  return fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
+Note too_thin_for(double cell, double thickness) {
+  return {.code = "too_thin",
+          .text = fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell)};
 }
 
 /// Warns of components that are only a few cells large and may not belong to the solid.
@@ -216,11 +217,13 @@ void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
     if (specks++ == 0) at = mesh.origin + Vec3((b.lower + b.upper) * 0.5f);
   }
   if (specks > 0)
-    r.warnings.push_back(fmt::format(
-        "{} of {} {} less than {:g} cells across, such as at ({:.4g}, {:.4g}, {:.4g}): stray, perhaps, where "
-        "surfaces come close to each other or cross; `components = auto` leaves out what is small",
-        grouped(specks), counted(components.size(), "component"), specks == 1 ? "is" : "are", kSpeck, at.x, at.y,
-        at.z));
+    r.notes.push_back(
+        {.code = "specks",
+         .text = fmt::format("{} of {} {} less than {:g} cells across, such as at ({:.4g}, {:.4g}, {:.4g}): stray, "
+                             "perhaps, where surfaces come close to each other or cross",
+                             grouped(specks), counted(components.size(), "component"), specks == 1 ? "is" : "are",
+                             kSpeck, at.x, at.y, at.z),
+         .remedy = "`components = auto` leaves out what is small"});
 }
 
 /// As an error: thin parts hidden by others count too, because they cannot be distinguished.
@@ -239,7 +242,7 @@ void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r)
   MeshReport chosen;
   detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,
                             chosen);
-  r.warnings.insert(r.warnings.begin(), chosen.warnings.begin(), chosen.warnings.end());
+  r.notes.insert(r.notes.begin(), chosen.notes.begin(), chosen.notes.end());
   measure(mesh, r);
 }
 
@@ -272,15 +275,16 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
                        : fmt::format("too thin in a box of {:.3g}", longest),
         usual));
   }
-  if (found.unresolved > 0 && thickness < pieces.cell) r.warnings.push_back(too_thin_for(pieces.cell, thickness));
+  if (found.unresolved > 0 && thickness < pieces.cell) r.notes.push_back(too_thin_for(pieces.cell, thickness));
   if (mesh.triangles.empty())
     throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
                            : "the solid is empty, or thinner than double precision resolves");
   if (found.unsimplified && pieces.simplify > 0)
-    r.warnings.push_back(fmt::format(
-        "the mesh has all {} triangles that were cut out: with fewer it would go through itself; a smaller mesh error "
-        "than {:.2g} may help",
-        grouped(mesh.triangles.size()), pieces.mesh_error));
+    r.notes.push_back({.code = "not_simplified",
+                       .text = fmt::format("the mesh has all {} triangles that were cut out: with fewer it would go "
+                                           "through itself",
+                                           grouped(mesh.triangles.size())),
+                       .remedy = fmt::format("a smaller mesh error than {:.2g} may help", pieces.mesh_error)});
   if (found.rounded_away > kMostRoundedAway)
     throw DataError(
         fmt::format("some walls are thinner than the coordinates of meshes (floats) can hold in a box of "
@@ -324,7 +328,7 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell) +
                     (too_thin ? fmt::format(": parts are {:.3g} across; a smaller `cell` shows them", thickness) : ""));
-  if (too_thin) r.warnings.push_back(too_thin_for(cell, thickness));
+  if (too_thin) r.notes.push_back(too_thin_for(cell, thickness));
   finish(mesh, options, r);
   warn_of_specks(mesh, r);
   return mesh;

@@ -14,6 +14,7 @@
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/points/remedies.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
 
@@ -27,10 +28,11 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// On open surfaces, a component with this many samples is kept.
 constexpr double kSeen = 5;
-/// For samples of mesh faces, a component is also kept if this many samples support at least this fraction of its area
-/// and would otherwise be far from the surface: a small solid, or the tip of a thin one. In a cloud they might be stray
-/// samples.
-constexpr double kSolid = 8, kOfSamples = 0.25;
+/// A component is also kept if this many samples support at least this fraction of its area and would otherwise be far
+/// from the surface: a small solid, or the tip of a thin one. In a cloud, fewer might be stray samples.
+constexpr double kSolidOfFaces = 8, kSolidOfCloud = 50, kOfSamples = 0.25;
+/// Area of the largest component in question, in squared spacings, below which it has too few samples for that.
+constexpr double kLeastOfCloud = 10;
 /// Fraction of samples without a surface above which a warning is given.
 constexpr double kMuchLost = 0.01;
 /// Quadric error of the simplification over the mesh error: by default, and for a requested mesh error.
@@ -79,14 +81,15 @@ std::vector<double> supported_area(const SampledComponents& samples, std::size_t
   return area;
 }
 
-/// Adds components without which samples of faces would have no surface.
+/// Adds components without which samples would have no surface.
 void choose_solids(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points, double spacing,
                    const SampledComponents& samples, const std::vector<double>& supported,
                    std::vector<std::uint8_t>& chosen) {
+  const double least = points.of_faces ? kSolidOfFaces : kSolidOfCloud;
   std::vector<std::uint8_t> asked(components.size(), 0);
   for (std::size_t k = 0; k < asked.size(); ++k)
     asked[k] =
-        !chosen[k] && supported[k] >= kSolid * spacing * spacing && supported[k] >= kOfSamples * components.area[k];
+        !chosen[k] && supported[k] >= least * spacing * spacing && supported[k] >= kOfSamples * components.area[k];
   if (std::find(asked.begin(), asked.end(), 1) == asked.end()) return;
   TriangleMesh kept;
   kept.origin = mesh.origin;
@@ -105,7 +108,19 @@ void choose_solids(const TriangleMesh& mesh, const MeshComponents& components, c
   std::vector<std::size_t> count(components.size(), 0);
   for (std::size_t i = 0; i < of.size(); ++i) count[of[i]] += lost[i];
   for (std::size_t k = 0; k < asked.size(); ++k)
-    if (asked[k] && static_cast<double>(count[k] * samples.stride) >= kSolid) chosen[k] = 1;
+    if (asked[k] && static_cast<double>(count[k] * samples.stride) >= least) chosen[k] = 1;
+}
+
+/// The triangles of two meshes with a common origin.
+TriangleMesh both(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh;
+  mesh.origin = a.origin;
+  mesh.vertices = a.vertices;
+  mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
+  mesh.triangles = a.triangles;
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  for (const auto& [u, v, w] : b.triangles) mesh.triangles.push_back({first + u, first + v, first + w});
+  return mesh;
 }
 
 }  // namespace
@@ -124,9 +139,10 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
   const bool seen = open && points.size() > 0;
-  const bool of_faces = points.of_faces && points.size() > 0 && choice.kind == ComponentChoice::Kind::automatic;
+  const bool solids = points.size() > 0 && choice.kind == ComponentChoice::Kind::automatic &&
+                      (points.of_faces || components.area[1] >= kLeastOfCloud * spacing * spacing);
   SampledComponents samples;
-  if (seen || of_faces || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])) {
+  if (seen || solids || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])) {
     samples = sample_components(mesh, components, points);
     supported = supported_area(samples, count, spacing);
   }
@@ -142,12 +158,12 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     chosen[k] = 1;
     ++kept;
   }
-  if (of_faces) choose_solids(mesh, components, points, spacing, samples, supported, chosen);
+  if (solids) choose_solids(mesh, components, points, spacing, samples, supported, chosen);
   return chosen;
 }
 
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
-                       MeshReport& report) {
+                       MeshReport& report, TriangleMesh* left_out) {
   const MeshComponents components = find_components(mesh);
   const std::size_t count = components.size();
   const std::vector<std::uint8_t> chosen = chosen_components(mesh, components, choice, points, spacing, report.open);
@@ -156,10 +172,17 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   if (kept == count) return;
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = chosen[components.of_triangle[i]];
+  if (left_out) {
+    std::vector<std::uint8_t> others(keep.size());
+    for (std::size_t i = 0; i < keep.size(); ++i) others[i] = !keep[i];
+    *left_out = mesh;
+    keep_triangles(*left_out, others);
+  }
   keep_triangles(mesh, keep);
   if (choice.kind == ComponentChoice::Kind::automatic)
-    report.warnings.push_back(counted(count - kept, "component") +
-                              " too small or too far from the samples left out (`components = all` keeps them)");
+    report.notes.push_back(
+        with_remedy(remedy("parts_left_out", "components"),
+                    counted(count - kept, "component") + " too small or too far from the samples left out"));
 }
 
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {
@@ -223,26 +246,44 @@ void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing,
   mesh.attributes.set("confidence", std::move(confidence));
 }
 
-void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {
+void report_lost(const TriangleMesh& mesh, const TriangleMesh& left_out, const PointSet& points, double spacing,
+                 double noise, const LocalFrame& frame, MeshReport& report) {
   if (points.size() == 0) return;
   const FarPoints lost = find_lost(mesh, points, spacing, noise, kSupportSamples);
   report.lost = lost.share;
-  if (report.lost > kMuchLost) report.most_lost = lost.densest;
+  if (report.lost <= kMuchLost) return;
+  const Vec3 at = frame.to_input(*lost.densest);
+  report.most_lost = at;
+  const std::string text =
+      fmt::format("{:.1f} % of the samples are far from the mesh, most of them around ({:.6g}, {:.6g}, {:.6g})",
+                  100 * lost.share, at.x, at.y, at.z);
+  const bool small_parts = !left_out.triangles.empty() &&
+                           find_lost(both(mesh, left_out), points, spacing, noise, kSupportSamples).share <= kMuchLost;
+  report.notes.push_back(small_parts ? with_remedy(remedy("lost_samples", "components"), text)
+                                     : Note{.code = std::string(kLostSamples), .text = text});
 }
 
-std::string lost_samples(const MeshReport& r) {
-  return fmt::format("{:.1f} % of the samples are far from the mesh, most of them around {:.6g} {:.6g} {:.6g}",
-                     100 * r.lost, r.most_lost->x, r.most_lost->y, r.most_lost->z);
+Note* lost_samples(MeshReport& report) {
+  for (Note& note : report.notes)
+    if (note.code == kLostSamples) return &note;
+  return nullptr;
+}
+
+Note too_many_triangles(std::size_t made, std::size_t requested) {
+  return {.code = "more_triangles",
+          .text = counted(made, "triangle") + " instead of " + grouped(requested) +
+                  ": each part, hole and handle needs some"};
 }
 
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
-                 const MeshOptions& options, MeshReport& r) {
-  choose_components(mesh, options.components, points, spacing, r);
+                 const LocalFrame& frame, const MeshOptions& options, MeshReport& r) {
+  TriangleMesh left_out;
+  choose_components(mesh, options.components, points, spacing, r, &left_out);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   // A deliberately coarse mesh is far from its samples everywhere.
   if (!options.box && !options.triangles && !options.block_depth && !options.trim)
-    report_lost(mesh, points, spacing, std::max(noise, mesh_error), r);
+    report_lost(mesh, left_out, points, spacing, std::max(noise, mesh_error), frame, r);
   if (options.measure_quality) {
     const MeshQuality after = measure_quality(mesh);
     r.aspect_mean = after.aspect_mean;

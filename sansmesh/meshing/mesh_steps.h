@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/local_frame.h"
@@ -45,8 +46,9 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
 
 /// Keeps the chosen components. Stray samples far from the shape can produce sheets larger than parts of it. The
 /// criterion is therefore the area that samples support; `automatic` drops components that have little of it.
+/// `left_out`, if not null, is replaced by them.
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
-                       MeshReport& report);
+                       MeshReport& report, TriangleMesh* left_out = nullptr);
 
 /// Vertices take the mean colour of the four nearest samples, weighted by inverse squared distance.
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
@@ -56,14 +58,23 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
 void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const LocalFrame& frame,
                      const MeshOptions& options, const MeshReport& r);
 
-/// Reports the samples without a surface.
-void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report);
+/// Code of the warning about samples without a surface.
+inline constexpr std::string_view kLostSamples = "lost_samples";
 
-/// Warning about samples without a surface, if there are many; `most_lost` in input coordinates.
-std::string lost_samples(const MeshReport& report);
+/// Reports the samples without a surface, and warns if there are many. The remedy is named if the components that were
+/// left out have a surface near them. `frame`: of mesh and points.
+void report_lost(const TriangleMesh& mesh, const TriangleMesh& left_out, const PointSet& points, double spacing,
+                 double noise, const LocalFrame& frame, MeshReport& report);
 
-/// Chooses the components, transfers the colours and computes the report. Throws DataError if nothing is left.
+/// That warning; null without it.
+Note* lost_samples(MeshReport& report);
+
+/// Warning about a mesh of more triangles than requested.
+Note too_many_triangles(std::size_t made, std::size_t requested);
+
+/// Chooses the components, transfers the colours and computes the report. `frame`: of mesh and points. Throws DataError
+/// if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
-                 const MeshOptions& options, MeshReport& r);
+                 const LocalFrame& frame, const MeshOptions& options, MeshReport& r);
 
 }  // namespace sansmesh::inline v1::detail

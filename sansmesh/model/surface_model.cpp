@@ -153,7 +153,7 @@ const BallUnion& SurfaceModel::balls() const { return state_->parts.support; }
 const PointSet& SurfaceModel::points() const { return state_->cloud.points; }
 const ColorField* SurfaceModel::colors() const { return state_->colors ? &*state_->colors : nullptr; }
 const SurfaceReport& SurfaceModel::report() const { return state_->report; }
-const std::vector<std::string>& SurfaceModel::warnings() const { return state_->cloud.warnings; }
+const std::vector<Note>& SurfaceModel::notes() const { return state_->cloud.notes; }
 
 BlockTree SurfaceModel::blocks(double coarseness) const {
   if (!(coarseness > 0)) throw ArgumentError("coarseness must be positive");

@@ -52,7 +52,7 @@ class SurfaceModel {
   /// Interpolated colours of the samples; null if they have none.
   const ColorField* colors() const;
   const SurfaceReport& report() const;
-  const std::vector<std::string>& warnings() const;
+  const std::vector<Note>& notes() const;
 
   /// Blocks for polygonization: as fine as the local samples, times `coarseness` (> 0).
   BlockTree blocks(double coarseness) const;

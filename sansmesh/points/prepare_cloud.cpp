@@ -19,6 +19,7 @@
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/remedies.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
@@ -31,15 +32,15 @@ constexpr std::size_t kFewest = 9;
 /// Largest share of given normals facing away from the sensor: noise at grazing angles.
 constexpr double kMostFacingAway = 0.1;
 
-void clean(PointSet& points, std::vector<std::string>& warnings) {
+void clean(PointSet& points, std::vector<Note>& notes) {
   const std::size_t given = points.size();
   const SampleCleaning cleaned = clean_samples(points);
-  const auto warn = [&](std::size_t n, const char* why) {
-    if (n > 0) warnings.push_back(counted(n, "sample") + " left out: " + why);
+  const auto warn = [&](const char* code, std::size_t n, const char* why) {
+    if (n > 0) notes.push_back({.code = code, .text = counted(n, "sample") + " left out: " + why});
   };
-  warn(cleaned.non_finite, "position or normal not finite");
-  warn(cleaned.far_away, "far away from all others");
-  warn(cleaned.duplicates, "at the position of another sample");
+  warn("not_finite", cleaned.non_finite, "position or normal not finite");
+  warn("far_away", cleaned.far_away, "far away from all others");
+  warn("duplicates", cleaned.duplicates, "at the position of another sample");
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
 }
 
@@ -79,7 +80,7 @@ bool all_on_faces(const PointSet& mesh) {
 }
 
 /// Samples the faces if the vertices are insufficient, and uses face normals. Returns the orientation of these, if any.
-FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
+FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<Note>& notes) {
   if (points.triangles.empty() || faces == FaceUse::ignore) return FaceSides::unknown;
   const bool forced = faces == FaceUse::sample;
   const std::size_t wanted = forced ? kFaceSamples : faces == FaceUse::vertices ? 0 : face_samples_wanted(points);
@@ -90,7 +91,9 @@ FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& w
     sides = face_sides(points);
     points = std::move(samples);
     points.of_faces = true;
-    if (!forced) warnings.push_back("its vertices alone are too sparse: its faces were sampled instead");
+    if (!forced)
+      notes.push_back(
+          {.code = "faces_sampled", .text = "its vertices alone are too sparse: its faces were sampled instead"});
   } else if (!points.has_normals()) {
     sides = face_sides(points);
     set_normals_from_faces(points);
@@ -117,7 +120,8 @@ bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
     std::size_t turned = 0;
     for (std::size_t i = 0; i < given.size(); ++i) turned += points.normals[i] != given[i];
     cloud.oriented_by = by;
-    cloud.warnings.push_back(counted(turned, "normal") + " flipped: they faced away from the sensor");
+    cloud.notes.push_back(
+        {.code = "normals_flipped", .text = counted(turned, "normal") + " flipped: they faced away from the sensor"});
     return true;
   }
   return false;
@@ -130,6 +134,23 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
   estimation.spacing = cloud.spacing, estimation.noise = cloud.noise;
   estimate_normals(cloud.points, tree, estimation, progress);
   cloud.estimated_normals = true;
+}
+
+/// Replaces given normals that are unrelated to those of neighbouring samples by estimates that are related.
+bool replace_unrelated_normals(PreparedCloud& cloud, const KdTree& tree, Progress& progress) {
+  PointSet& points = cloud.points;
+  if (measure_orientation(points, cloud.noise).related >= kLeastRelated) return false;
+  const std::vector<Vec3f> given = points.normals;
+  estimate_missing_normals(cloud, tree, progress);
+  const char* unrelated = "the normals are unrelated to those of neighbouring samples";
+  if (measure_orientation(points, cloud.noise).related < kLeastRelated) {
+    points.normals = given, cloud.estimated_normals = false;
+    cloud.notes.push_back({.code = "unrelated_normals", .text = unrelated});
+    return false;
+  }
+  cloud.face_sides = FaceSides::unknown;
+  cloud.notes.push_back({.code = "unrelated_normals", .text = std::string(unrelated) + ": estimated anew"});
+  return true;
 }
 
 /// For thin parts, faces that bound solids are more reliable than neighbours.
@@ -160,24 +181,22 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
     if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
-    cloud.warnings.push_back("the normals point inward: flipped");
+    cloud.notes.push_back({.code = "normals_flipped", .text = "the normals point inward: flipped"});
     for (Vec3f& n : points.normals) n = -n;
     return;
   }
   const KdTree tree(points.positions);
   if (check == OrientationCheck::missing)
     estimate_missing_normals(cloud, tree, progress);
-  else if (check == OrientationCheck::unoriented && use.orient_by == OrientBy::automatic)
-    cloud.warnings.push_back("the normals are not oriented consistently: oriented anew");
+  else if (check == OrientationCheck::unoriented && !replace_unrelated_normals(cloud, tree, progress) &&
+           use.orient_by == OrientBy::automatic)
+    cloud.notes.push_back(
+        {.code = "normals_oriented", .text = "the normals are not oriented consistently: oriented anew"});
   progress.begin("orient normals");
   OrientationOptions orientation;
   orientation.noise = cloud.noise;
   orientation.by = use.orient_by;
   cloud.oriented_by = orient_normals(points, tree, orientation, progress);
-  if (check == OrientationCheck::unoriented && measure_orientation(points, cloud.noise).related < kLeastRelated)
-    cloud.warnings.push_back(
-        "the normals are unrelated to those of neighbouring samples: no sign is right; `normals = estimate` makes "
-        "others");
 }
 
 /// Number of samples of all scans together for detecting misalignment, and least number per scan.
@@ -191,7 +210,7 @@ std::string scan_called(const PointSet& points, std::size_t scan) {
 bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   PointSet& points = cloud.points;
   if (points.scan_of_point.size() != points.size() || !has_several_scans(points)) {
-    if (move) cloud.warnings.push_back("there is only one scan: nothing to align");
+    if (move) cloud.notes.push_back({.code = "not_aligned", .text = "there is only one scan: nothing to align"});
     return false;
   }
   progress.begin(move ? "align scans" : "compare scans");
@@ -215,16 +234,17 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   };
   const std::size_t moved = found.most_moved(), farthest = found.farthest_off();
   if (found.warped())
-    cloud.warnings.push_back("scans disagree by " + off(found.deviations[farthest], farthest) +
-                             ", which no rigid motion corrects: they are warped");
+    cloud.notes.push_back({.code = "scans_warped",
+                           .text = "scans disagree by " + off(found.deviations[farthest], farthest) +
+                                   ", which no rigid motion corrects: they are warped"});
   if (!move) {
     if (found.disagree())
-      cloud.warnings.push_back("scans disagree by up to " + off(found.displacements[moved], moved) +
-                               ": `align` moves them onto each other");
+      cloud.notes.push_back(with_remedy(remedy("scans_disagree", "align"),
+                                        "scans disagree by up to " + off(found.displacements[moved], moved)));
     return false;
   }
   if (found.rounds == 0) {
-    cloud.warnings.push_back("no two scans overlap: nothing to align");
+    cloud.notes.push_back({.code = "not_aligned", .text = "no two scans overlap: nothing to align"});
     return false;
   }
   if (found.displacements[moved] <= 0) {
@@ -242,9 +262,9 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress) {
   PreparedCloud result;
   progress.begin("check samples");
-  clean(points, result.warnings);
+  clean(points, result.notes);
   result.closed_faces = faces != FaceUse::ignore && !points.triangles.empty() && faces_are_closed(points);
-  result.face_sides = use_faces(points, faces, result.warnings);
+  result.face_sides = use_faces(points, faces, result.notes);
   check_shape(points, 1, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();
   result.frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
@@ -284,29 +304,31 @@ bool pilot_shows_clutter(const PointSet& points) {
   return outlier_share(some) >= 0.5 * kClutter;
 }
 
-/// Removes outliers, if requested or if they are clearly clutter.
+}  // namespace
+
 void leave_out_outliers(PreparedCloud& cloud, std::optional<bool> asked, ClutterUse clutter, Progress& progress) {
   if (!asked.value_or(clutter == ClutterUse::leave_out)) return;
   PointSet& points = cloud.points;
   progress.begin("find outliers");
   if (!asked && !pilot_shows_clutter(points)) return;
   std::size_t left_out = 0;
-  for (int round = 0; round < (asked ? 1 : kClutterRounds); ++round) {
+  for (int round = 0; round < kClutterRounds; ++round) {
     const std::vector<std::uint8_t> outliers = find_outliers(points, {}, progress);
     const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
     const double share = static_cast<double>(count) / static_cast<double>(points.size());
-    if (count == 0 || (!asked && share < (round == 0 ? kClutter : kLittleClutter))) break;
+    const double least = round > 0 ? kLittleClutter : asked ? 0 : kClutter;
+    if (count == 0 || share < least) break;
     if (!asked && round == 0 && sees_thin_things(points)) return;
     remove_samples(points, outliers);
     left_out += count;
+    if (round == 0 && share < kClutter) break;
   }
   if (left_out == 0) return;
   check_shape(points, cloud.frame.to_input(1.0));
-  cloud.warnings.push_back(counted(left_out, "sample") + " left out: belong to no surface" +
-                           (asked ? "" : " (`keep_outliers` keeps them)"));
+  std::string text = counted(left_out, "sample") + " left out: belong to no surface";
+  cloud.notes.push_back(asked ? Note{.code = "outliers", .text = std::move(text)}
+                              : with_remedy(remedy("clutter", "remove_outliers"), std::move(text)));
 }
-
-}  // namespace
 
 PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress, ClutterUse clutter) {
   if (use.classes) keep_classes(points, *use.classes);

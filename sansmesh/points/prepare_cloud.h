@@ -7,6 +7,7 @@
 
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/local_frame.h"
+#include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sensor_directions.h"
@@ -26,7 +27,7 @@ struct PreparedCloud {
   std::optional<OrientBy> oriented_by = {};
   /// Noise and spacing of the points in local units, if they were estimated for the normals: saves another estimation.
   std::optional<double> noise = {}, spacing = {};
-  std::vector<std::string> warnings;
+  std::vector<Note> notes;
   /// Result of `align` as text; empty without `align`.
   std::string alignment = {};
 };
@@ -37,6 +38,9 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
 
 /// Samples that clearly belong to no surface, if `remove_outliers` is not set.
 enum class ClutterUse { keep, leave_out };
+
+/// Removes outliers, if requested or if they are clearly clutter.
+void leave_out_outliers(PreparedCloud& cloud, std::optional<bool> asked, ClutterUse clutter, Progress& progress);
 
 /// Complete preparation. Given normals that agree with their neighbours keep their signs, unless they point into a
 /// closed shape or away from the sensor. Throws DataError as prepare_positions and keep_classes; ArgumentError for

@@ -119,6 +119,10 @@ TEST(Advise, ReportsTheTreatmentOfNormals) {
   EXPECT_TRUE(says(ask(none), "no normals"));
   EXPECT_TRUE(says(ask(inward), "point inward"));
   EXPECT_TRUE(says(ask(mixed), "not oriented consistently"));
+  std::mt19937 random(4);
+  std::normal_distribution<float> gauss;
+  for (Vec3f& n : cloud.normals) n = normalized(Vec3f{gauss(random), gauss(random), gauss(random)});
+  EXPECT_TRUE(says(ask(cloud), "unrelated"));
 }
 
 TEST(Advise, FindsBorders) {

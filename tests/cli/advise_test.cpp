@@ -81,7 +81,7 @@ TEST_F(AdviseCommand, NamesOptionsAsTheToolDoes) {
   }
   write_points(path("half.ply"), half);
   const Outcome outcome = run({"advise", "half.ply"});
-  EXPECT_NE(outcome.out.find("; it ends where the samples end (--closed closes it), gaps narrower than --fill-holes"),
+  EXPECT_NE(outcome.out.find("; it ends where the samples end (--closed closes it, --fill-holes closes narrower gaps)"),
             std::string::npos)
       << outcome.out;
   EXPECT_NE(outcome.out.find("-o surface.ply\n"), std::string::npos) << outcome.out;

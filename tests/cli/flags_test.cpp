@@ -98,7 +98,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
 
 TEST_F(Flags, WarningsNameThemToo) {
   PointSet cloud = sphere(4000);
-  const PointSet small = sphere(60);
+  const PointSet small = sphere(40);
   for (std::size_t i = 0; i < small.size(); ++i) {
     cloud.positions.push_back(small.positions[i] * 0.05f + Vec3f{3, 0, 0});
     cloud.normals.push_back(small.normals[i]);

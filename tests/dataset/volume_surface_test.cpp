@@ -215,7 +215,7 @@ TEST(VolumeSurface, UnresolvedPartsAreRemoved) {
   MeshReport report;
   mesh_of(surface, report);
   EXPECT_EQ(report.components, 1);
-  ASSERT_EQ(report.warnings.size(), 1u);
+  ASSERT_EQ(report.notes.size(), 1u);
   Progress progress;
   MeshOptions all;
   all.components = {ComponentChoice::Kind::all, 1};

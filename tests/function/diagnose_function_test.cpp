@@ -21,6 +21,11 @@ FittedFunction fit_cloud(const PointSet& cloud, const FitOptions& options = {}) 
   return fit_surface_function(cloud, options, progress);
 }
 
+FittedFunction fit_with_given_normals(const PointSet& cloud) {
+  Progress progress;
+  return fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress);
+}
+
 Diagnosis diagnose(const FittedFunction& function, const DiagnoseOptions& options = {}) {
   Progress progress;
   return diagnose_function(function, options, progress);
@@ -45,7 +50,7 @@ TEST(Diagnose, NothingIsWrongWithASphere) {
 }
 
 TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
-  const FittedFunction function = fit_cloud(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
+  const FittedFunction function = fit_cloud(joined(sphere(5000), sphere(40), 0.09f, {1.5f, 0.2f, 0}));
   const Diagnosis d = diagnose(function);
   const auto extra = of_kind(d, Suspicion::extra_sheet);
   ASSERT_EQ(extra.size(), 1u);
@@ -76,9 +81,7 @@ TEST(Diagnose, AShiftedPatchHasHighErrorsAlongItsRim) {
   const std::size_t n = cloud.size();
   for (std::size_t i = 0; i < n; i += 2)
     if (cloud.positions[i].z > 0.6f) cloud.positions[i] *= 1.05f;
-  Progress progress;
-  const Diagnosis d =
-      diagnose(fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress));
+  const Diagnosis d = diagnose(fit_with_given_normals(cloud));
   const auto errors = of_kind(d, Suspicion::high_error);
   ASSERT_FALSE(errors.empty());
   for (const SuspiciousRegion& p : errors) {
@@ -105,9 +108,68 @@ TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
   for (const SuspiciousRegion& p : low) {
     EXPECT_GT(p.position.z + p.radius, 0.6);
     EXPECT_LT(p.worst, 0.7);
-    ASSERT_TRUE(p.edit);
-    EXPECT_EQ(std::get<SetDegree>(p.edit->action).degree, 1);
+    if (p.edit) EXPECT_EQ(std::get<SetDegree>(p.edit->action).degree, 1);
   }
+}
+
+/// Largest measure of the supports around a region: degree where few samples cover them, else error or gradient.
+double worst_around(const FittedFunction& function, const SuspiciousRegion& region, const DiagnoseOptions& options) {
+  const PartitionData& data = function.field.data();
+  double worst = 0;
+  if (region.kind == Suspicion::low_coverage) {
+    for (std::size_t i = 0; i < data.supports.size(); ++i) {
+      const Vec3 foot = function.frame.to_input(data.origin + Vec3(data.supports[i].foot));
+      if (norm(foot - region.position) > region.radius || data.supports[i].coverage >= options.coverage_below) continue;
+      worst = std::max(worst, static_cast<double>(data.functions[i].degree));
+    }
+    return worst;
+  }
+  for (const SuspiciousRegion& p : of_kind(diagnose(function, options), region.kind))
+    if (norm(p.position - region.position) < region.radius) worst = std::max(worst, p.worst);
+  return worst;
+}
+
+TEST(Diagnose, EveryProposedEditRepairsItsRegion) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-1.2f, 1.2f);
+  PointSet strewn = sphere(8000), hole = sphere(6000);
+  for (int i = 0; i < 400; ++i) {
+    strewn.positions.push_back({uniform(random), uniform(random), uniform(random)});
+    strewn.normals.push_back({0, 0, 1});
+  }
+  std::vector<std::uint8_t> cap(hole.size());
+  for (std::size_t i = 0; i < cap.size(); ++i) cap[i] = hole.positions[i].z > 0.8f;
+  remove_samples(hole, cap);
+  std::array<std::size_t, kSuspicions> repaired{};
+  for (const PointSet& cloud : {strewn, hole}) {
+    const FittedFunction function = fit_with_given_normals(cloud);
+    DiagnoseOptions options;
+    options.coverage_below = 0.7;
+    options.most_regions = 1000;
+    const Diagnosis d = diagnose(function, options);
+    options.error_above = d.error_above;
+    FunctionEditor editor(function);
+    Progress progress;
+    for (const Edit& edit : d.edits()) editor.apply(edit, progress);
+    for (const SuspiciousRegion& p : d.regions) {
+      if (!p.edit || p.kind == Suspicion::extra_sheet) continue;
+      ++repaired[static_cast<std::size_t>(p.kind)];
+      if (p.kind == Suspicion::low_coverage) EXPECT_GT(worst_around(function, p, options), 1);
+      EXPECT_LE(worst_around(editor.function(), p, options), p.kind == Suspicion::low_coverage ? 1 : 0)
+          << suspicion_name(p.kind);
+    }
+  }
+  for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::steep})
+    EXPECT_GT(repaired[static_cast<std::size_t>(kind)], 0u) << suspicion_name(kind);
+}
+
+TEST(Diagnose, MisalignedScansHaveNoEdit) {
+  PointSet cloud = sphere(8000);
+  for (std::size_t i = 0; i < cloud.size(); i += 2)
+    if (cloud.positions[i].z > 0.6f) cloud.positions[i] *= 1.05f;
+  const Diagnosis d = diagnose(fit_with_given_normals(cloud));
+  EXPECT_FALSE(of_kind(d, Suspicion::high_error).empty());
+  EXPECT_TRUE(d.edits().empty());
 }
 
 TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
@@ -118,7 +180,7 @@ TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
   const Diagnosis d = diagnose(function, options);
   EXPECT_LE(of_kind(d, Suspicion::steep).size(), 3u);
   EXPECT_GE(d.found[static_cast<std::size_t>(Suspicion::steep)], 1u);
-  EXPECT_EQ(d.edits().size(), d.regions.size());
+  EXPECT_LE(d.edits().size(), d.regions.size());
   EXPECT_EQ(parse_edit_script(edit_script(d.edits())).size(), d.edits().size());
   const auto rejects = [&](auto change) {
     DiagnoseOptions bad;
@@ -197,7 +259,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
   SANSMESH_NOT_SANITIZED("judges scripts on larger clouds; others write and run them, too");
   // Suspicions of all kinds: thresholds that mark sound regions, steep ones between sheets, and stray samples.
   PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
-  PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
+  PointSet strays = joined(sphere(5000), sphere(40), 0.09f, {1.5f, 0.2f, 0});
   for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {
     const FittedFunction function = fit_cloud(cloud);
     DiagnoseOptions options;

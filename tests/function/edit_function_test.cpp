@@ -35,7 +35,7 @@ bool same_function(const FittedFunction& a, const FittedFunction& b) {
   return same;
 }
 FittedFunction copy_of(const FittedFunction& f) {
-  return {PartitionOfUnity(f.field.data()), f.frame, f.samples, f.history, f.warnings};
+  return {PartitionOfUnity(f.field.data()), f.frame, f.samples, f.history, f.notes};
 }
 
 double value_at(const FittedFunction& f, const Vec3& x) {

@@ -138,7 +138,7 @@ TEST(FunctionFile, KeepsFitsOfThePaper) {
 
 TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
   const Folder folder;
-  const PointSet mesh = joined_meshes(ball_mesh(5), ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});
+  const PointSet mesh = joined_meshes(ball_mesh(5), ball_mesh(1), 0.06f, {1.5f, 0.2f, 0});
   PointSet cloud = mesh;
   cloud.triangles.clear();
   for (const PointSet& points : {mesh, cloud}) {

@@ -143,9 +143,9 @@ TEST(MeshSolid, SaysThatPartsAreSmallerThanCells) {
   const TriangleMesh both = test::joined(test::octasphere(3), speck, {1.5f, 0, 0});
   m.mesh = mesh_csg(mesh_solid(both, false, warnings), {.cell = 0.08}, progress, &m.report);
   EXPECT_EQ(m.report.components, 2u);
-  ASSERT_EQ(m.report.warnings.size(), 1u);
-  EXPECT_NE(m.report.warnings[0].find("1 of 2 components is less than 6 cells across"), std::string::npos)
-      << m.report.warnings[0];
+  ASSERT_EQ(m.report.notes.size(), 1u);
+  EXPECT_NE(m.report.notes[0].text.find("1 of 2 components is less than 6 cells across"), std::string::npos)
+      << m.report.notes[0].text;
 }
 
 TEST(MeshSolid, ClosesHolesAndTurnsOver) {

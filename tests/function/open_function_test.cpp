@@ -156,11 +156,11 @@ TEST(OpenFunction, SamplesWithoutSurfaceAreCountedAndFound) {
   const PointSet ball = sphere(9000), stray = joined(ball, sphere(1000), 0.1f, {3, 1, 2});
   const TriangleMesh mesh = open_mesh(fitted(ball));
   MeshReport report;
-  detail::report_lost(mesh, stray, 0.04, 0, report);
+  detail::report_lost(mesh, {}, stray, 0.04, 0, {}, report);
   EXPECT_NEAR(report.lost, 0.1, 1e-9);
   ASSERT_TRUE(report.most_lost);
   EXPECT_LT(norm(*report.most_lost - Vec3{3, 1, 2}), 0.15);
-  detail::report_lost(mesh, ball, 0.04, 0, report);
+  detail::report_lost(mesh, {}, ball, 0.04, 0, {}, report);
   EXPECT_EQ(report.lost, 0);
 }
 

@@ -156,7 +156,7 @@ TEST(CsgJob, KeepsAllPartsOfSolidsWithoutFunctions) {
 TEST(CsgJob, NotesWhatTheMeshMayHaveLost) {
   Progress progress;
   const CsgResult made = mesh_of_solid(solid_of("box(2) - sphere(0.02)"), {.cell = 0.1}, progress);
-  EXPECT_TRUE(has_note(made.notes, "mesh"));
+  EXPECT_TRUE(has_note(made.notes, "too_thin"));
 }
 
 TEST(CsgJob, RefusesWhatIsOutOfRange) {

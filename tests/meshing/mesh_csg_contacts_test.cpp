@@ -53,7 +53,7 @@ TEST(MeshCsg, BallsThatNearlyTouchAreSimplified) {
   const TriangleMesh mesh = meshed(all, {}, report);
   EXPECT_TRUE(report.closed);
   EXPECT_EQ(report.components, components);
-  EXPECT_EQ(report.warnings, std::vector<std::string>());
+  EXPECT_TRUE(report.notes.empty());
   EXPECT_NEAR(report.volume / volume, 1, 1e-3);
   EXPECT_NEAR(report.area / area, 1, 1e-3);
   EXPECT_TRUE(self_intersections(mesh, 1e-7 * report.box.diagonal()).empty());

@@ -347,15 +347,15 @@ TEST(MeshCsg, BlocksFollowThinParts) {
     if (c.volume > 0) {
       EXPECT_NEAR(report.volume / c.volume, 1, 2e-3) << c.text;
     }
-    EXPECT_TRUE(report.warnings.empty()) << c.text << ": " << report.warnings[0];
+    EXPECT_TRUE(report.notes.empty()) << c.text << ": " << report.notes[0].text;
   }
   CsgMeshReport report;
   const Solid ball = parsed("box(2) - sphere(0.006, center=(0.3, 0.2, 0.1))");
   meshed(ball, {.cell = 0.02}, report);
-  ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_EQ(report.warnings[0], "parts or holes may be missing: some are 0.012 across, cells 0.02");
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_EQ(report.notes[0].text, "parts or holes may be missing: some are 0.012 across, cells 0.02");
   meshed(ball, {.cell = 0.004}, report);
-  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_TRUE(report.notes.empty());
   EXPECT_EQ(report.components, 2u);
   // Parts beyond any tree of blocks are a single error, with the remedy.
   try {
@@ -366,7 +366,7 @@ TEST(MeshCsg, BlocksFollowThinParts) {
     EXPECT_NE(std::string(error.what()).find("`cell`"), std::string::npos) << error.what();
   }
   meshed(parsed("box(2) - sphere(1e-5)"), {.cell = 0.05}, report);
-  EXPECT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.notes.size(), 1u);
 }
 
 /// The mesh error is relative to the box, however thin the solid is: flat parts have none.
@@ -470,7 +470,7 @@ TEST(MeshCsg, WhereTrianglesCrossOnlyThatIsMadeAgain) {
   const TriangleMesh mesh = mesh_csg(balls, {}, progress, &report);
   EXPECT_EQ(simplified, 1);
   EXPECT_TRUE(report.closed);
-  EXPECT_EQ(report.warnings, std::vector<std::string>());
+  EXPECT_TRUE(report.notes.empty());
   EXPECT_TRUE(self_intersections(mesh, 1e-7 * report.box.diagonal()).empty());
 }
 

@@ -134,7 +134,7 @@ TEST(AlignScans, ScansThatFitAreLeftAlone) {
     const ScanAlignment found = find_scan_motions(cloud, {}, progress);
     EXPECT_FALSE(found.disagree());
     for (const double d : found.displacements) EXPECT_LT(d, std::max(0.1 * noise, 0.01 * kSpacing));
-    EXPECT_TRUE(prepare_cloud(cloud, {}, progress).warnings.empty());
+    EXPECT_TRUE(prepare_cloud(cloud, {}, progress).notes.empty());
   }
 }
 
@@ -156,8 +156,8 @@ TEST(AlignScans, TellsWarpedScansFromMisalignedOnes) {
   const PreparedCloud plain = prepare_cloud(cloud, {}, progress),
                       aligned = prepare_cloud(cloud, {.align = true}, progress);
   EXPECT_EQ(plain.points.positions, aligned.points.positions);
-  ASSERT_EQ(plain.warnings.size(), 1u);
-  EXPECT_NE(plain.warnings[0].find("warped"), std::string::npos);
+  ASSERT_EQ(plain.notes.size(), 1u);
+  EXPECT_NE(plain.notes[0].text.find("warped"), std::string::npos);
 }
 
 /// Both sides of a plate, three spacings thick, each seen by one scanner, have no surface in common.
@@ -189,8 +189,8 @@ TEST(AlignScans, OneScanAloneIsUnchanged) {
   const PreparedCloud plain = prepare_cloud(cloud, {}, progress),
                       aligned = prepare_cloud(cloud, {.align = true}, progress);
   EXPECT_EQ(plain.points.positions, aligned.points.positions);
-  EXPECT_TRUE(plain.warnings.empty());
-  EXPECT_EQ(aligned.warnings.size(), 1u);
+  EXPECT_TRUE(plain.notes.empty());
+  EXPECT_EQ(aligned.notes.size(), 1u);
   cloud.scan_of_point.clear(), cloud.scanners.clear();
   EXPECT_EQ(prepare_cloud(cloud, {}, progress).points.positions, plain.points.positions);
 }
@@ -200,11 +200,12 @@ TEST(AlignScans, IsToldAndDoneByThePreparation) {
   PointSet cloud = seen_from(3, 0.1 * kSpacing);
   move_scans(cloud, {no_motion(), half_a_degree({0, 0, 1}, {1, 1, 0}), no_motion()});
   const PreparedCloud plain = prepare_cloud(cloud, {}, progress);
-  ASSERT_EQ(plain.warnings.size(), 1u) << plain.warnings[0];
-  EXPECT_NE(plain.warnings[0].find("scan1.ply: `align`"), std::string::npos) << plain.warnings[0];
+  ASSERT_EQ(plain.notes.size(), 1u) << plain.notes[0].text;
+  EXPECT_TRUE(plain.notes[0].text.ends_with("scan1.ply")) << plain.notes[0].text;
+  EXPECT_TRUE(plain.notes[0].remedy.starts_with("`align`")) << plain.notes[0].remedy;
   for (const NormalUse normals : {NormalUse::automatic, NormalUse::estimate}) {
     const PreparedCloud aligned = prepare_cloud(cloud, {.normals = normals, .align = true}, progress);
-    EXPECT_TRUE(aligned.warnings.empty());
+    EXPECT_TRUE(aligned.notes.empty());
     EXPECT_FALSE(aligned.alignment.empty());
     EXPECT_FALSE(find_scan_motions(aligned.points, {}, progress).disagree());
   }

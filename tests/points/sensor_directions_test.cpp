@@ -205,7 +205,7 @@ TEST(Orientation, TerrainWithStraysLooksUp) {
     const PreparedCloud kept = prepare_cloud(cloud, {}, progress);
     EXPECT_EQ(kept.points.normals, cloud.normals);
     EXPECT_FALSE(kept.oriented_by);
-    EXPECT_TRUE(kept.warnings.empty());
+    EXPECT_TRUE(kept.notes.empty());
     // Normals that all point down also stay: an open sheet has no outside.
     PointSet downward = cloud;
     for (Vec3f& n : downward.normals) n = -n;
@@ -318,11 +318,11 @@ TEST(Orientation, GivenNormalsThatLookAwayFromTheirScannerAreTurned) {
   const PreparedCloud turned = prepare_cloud(room, {}, progress), kept = prepare_cloud(seen, {}, progress);
   EXPECT_EQ(turned.points.normals, seen.normals);
   EXPECT_EQ(turned.oriented_by, OrientBy::scanner);
-  ASSERT_EQ(turned.warnings.size(), 1u);
-  EXPECT_NE(turned.warnings[0].find("12,000 normals flipped"), std::string::npos) << turned.warnings[0];
+  ASSERT_EQ(turned.notes.size(), 1u);
+  EXPECT_NE(turned.notes[0].text.find("12,000 normals flipped"), std::string::npos) << turned.notes[0].text;
   EXPECT_EQ(kept.points.normals, seen.normals);
   EXPECT_FALSE(kept.oriented_by);
-  EXPECT_TRUE(kept.warnings.empty());
+  EXPECT_TRUE(kept.notes.empty());
   // Without a scanner the normals of a closed shape point outward.
   seen.scanners.clear(), seen.scan_of_point.clear();
   EXPECT_EQ(prepare_cloud(seen, {}, progress).points.normals, outward);

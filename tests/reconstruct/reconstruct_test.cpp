@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include "sansmesh/error.h"
@@ -27,8 +28,7 @@ TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, 
   ReconstructResult made = reconstruct(cloud, options, progress);
   if (report) {
     *report = made.report;
-    report->warnings.clear();
-    for (const Note& note : made.notes) report->warnings.push_back(note.text);
+    report->notes = made.notes;
   }
   return std::move(made.mesh);
 }
@@ -52,8 +52,8 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   for (Vec3f& n : cloud.normals) n = -n;
   ReconstructReport report;
   const TriangleMesh mesh = run(cloud, {}, &report);
-  ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("inward"), std::string::npos);
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_NE(report.notes[0].text.find("inward"), std::string::npos);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     ASSERT_GT(dot(mesh.normals[i], normalized(mesh.vertices[i])), 0.95f);
   ReconstructOptions anew;
@@ -128,8 +128,8 @@ TEST(Reconstruct, StraySamplesMakeNoSheets) {
   const MeshTopology topology = measure_topology(run(cloud, {}, &report));
   EXPECT_EQ(topology.components, 1u);
   EXPECT_EQ(topology.genus(), 0);
-  ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("left out"), std::string::npos);
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_NE(report.notes[0].text.find("left out"), std::string::npos);
   ReconstructOptions all;
   all.mesh.components.kind = ComponentChoice::Kind::all;
   EXPECT_GT(measure_topology(run(cloud, all)).components, 1u);
@@ -146,8 +146,8 @@ TEST(Reconstruct, OneFarSampleOrManyDuplicatesDoNoHarm) {
   for (const PointSet& cloud : {far, repeated}) {
     ReconstructReport report;
     EXPECT_EQ(run(cloud, {}, &report).triangles.size(), triangles);
-    ASSERT_EQ(report.warnings.size(), 1u);
-    EXPECT_NE(report.warnings[0].find("left out"), std::string::npos);
+    ASSERT_EQ(report.notes.size(), 1u);
+    EXPECT_NE(report.notes[0].text.find("left out"), std::string::npos);
   }
 }
 
@@ -322,13 +322,13 @@ TEST(Reconstruct, ThinClosedMeshesStayWhatTheyAre) {
   }
 }
 
-// A cluster of samples may be stray; vertices of faces are not.
+// A cluster of a few samples may be stray; vertices of faces are not.
 TEST(Reconstruct, SmallSolidsOfMeshesStay) {
-  const PointSet mesh = test::joined_meshes(test::ball_mesh(5), test::ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});
+  const PointSet mesh = test::joined_meshes(test::ball_mesh(5), test::ball_mesh(1), 0.06f, {1.5f, 0.2f, 0});
   ReconstructReport report;
   EXPECT_EQ(measure_topology(run(mesh, {}, &report)).components, 2u);
   EXPECT_EQ(report.lost, 0);
-  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_TRUE(report.notes.empty());
 
   PointSet cloud = mesh;
   cloud.triangles.clear();
@@ -336,6 +336,28 @@ TEST(Reconstruct, SmallSolidsOfMeshesStay) {
   PointSet stray = mesh;  // vertices without a face make it a cloud again
   stray.positions.push_back({1.2f, 0.2f, 0});
   EXPECT_EQ(measure_topology(run(stray)).components, 1u);
+}
+
+TEST(Reconstruct, EstimatesNormalsThatAreUnrelated) {
+  PointSet cloud = test::sphere(4000);
+  std::mt19937 random(4);
+  std::normal_distribution<float> gauss;
+  for (Vec3f& n : cloud.normals) n = normalized(Vec3f{gauss(random), gauss(random), gauss(random)});
+  ReconstructReport report;
+  const TriangleMesh mesh = run(cloud, {}, &report);
+  EXPECT_TRUE(report.estimated_normals);
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_EQ(report.notes[0].code, "unrelated_normals");
+  for (const Vec3f& v : mesh.vertices) ASSERT_NEAR(norm(mesh.origin + Vec3(v)), 1, 0.005);
+}
+
+TEST(Reconstruct, SmallPartsOfManySamplesStay) {
+  PointSet cloud = test::sphere(20000);
+  for (int i = 0; i < 5; ++i)
+    cloud = test::joined(std::move(cloud), test::sphere(60), 0.06f, {1.5f, 0, 0.4f * static_cast<float>(i)});
+  ReconstructReport report;
+  EXPECT_EQ(measure_topology(run(cloud, {}, &report)).components, 6u);
+  EXPECT_EQ(report.lost, 0);
 }
 
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
@@ -368,10 +390,10 @@ TEST(MeshFunction, WritesItsReportAnew) {
   measured.measure_quality = true;
   MeshReport used, fresh;
   mesh_function(two, measured, progress, &used);
-  EXPECT_FALSE(used.warnings.empty());
+  EXPECT_FALSE(used.notes.empty());
   mesh_function(one, {}, progress, &used);
   mesh_function(one, {}, progress, &fresh);
-  EXPECT_EQ(used.warnings, fresh.warnings);
+  EXPECT_EQ(used.notes, fresh.notes);
   EXPECT_EQ(used.aspect_mean_before, fresh.aspect_mean_before);
   EXPECT_EQ(used.components, fresh.components);
   EXPECT_EQ(used.blocks, fresh.blocks);
@@ -381,8 +403,9 @@ TEST(MeshFunction, WritesItsReportAnew) {
     const ReconstructResult made = reconstruct(cloud, {}, progress);
     const ReconstructReport& whole = made.report;
     ASSERT_EQ(made.notes.size(), 2u);
-    EXPECT_EQ(made.notes[0].code, "mesh");
-    EXPECT_EQ(made.notes[1].code, "mesh");
+    EXPECT_EQ(made.notes[0].code, "parts_left_out");
+    EXPECT_EQ(made.notes[1].code, "lost_samples");
+    EXPECT_EQ(made.notes[0].remedy, "`components = all` keeps them");
     EXPECT_EQ(whole.fits, two.field.report().functions);
     EXPECT_EQ(whole.fit_depth, two.field.report().depth);
     EXPECT_GT(whole.spacing, 0);
