@@ -158,7 +158,8 @@ TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
   };
   // Inner walls have creases where the owl is thin, which the field does not represent.
   EXPECT_LT(off_walls(shell.mesh, 0, -6, distance, 0.02), 0.08 * shell.report.cell);
-  EXPECT_LT(off_walls(shell.mesh, 0, -6, distance), shell.report.cell);
+  // The bottom has no samples: a few vertices at its border depend on the blocks.
+  EXPECT_LT(off_walls(shell.mesh, 0, -6, distance, 0.005), shell.report.cell);
   for (const double d : {-10, 12}) {
     const Meshed m = meshed_csg("offset(a, " + std::to_string(d) + ")", owl(), 32);
     EXPECT_EQ(m.report.components, 1u) << d;
