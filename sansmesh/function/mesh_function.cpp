@@ -119,6 +119,10 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
                          ": each part, hole and handle needs some");
+  if (r.narrowest_handle) {
+    r.narrowest_handle = frame.to_input(*r.narrowest_handle);
+    r.warnings.push_back(detail::narrow_handles(r));
+  }
   // An edit removes the surface of samples on purpose.
   if (r.most_lost && function.history.empty()) {
     r.most_lost = frame.to_input(*r.most_lost);

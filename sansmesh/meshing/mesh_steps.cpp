@@ -14,6 +14,7 @@
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/meshing/narrow_handles.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
 
@@ -230,6 +231,20 @@ void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacin
   if (report.lost > kMuchLost) report.most_lost = lost.densest;
 }
 
+void report_handles(const NarrowHandles& handles, MeshReport& report) {
+  report.genus = handles.genus;
+  report.closed_handles = handles.closed;
+  report.narrow_handles = handles.narrow;
+  if (handles.narrow > 0) report.narrowest_handle = handles.narrowest;
+}
+
+std::string narrow_handles(const MeshReport& r) {
+  return fmt::format("{} {} narrower than two spacings or {} no samples around (genus {}), the narrowest around {:.6g} {:.6g} {:.6g}",
+                     counted(r.narrow_handles, "handle"), r.narrow_handles == 1 ? "is" : "are",
+                     r.narrow_handles == 1 ? "has" : "have", *r.genus, r.narrowest_handle->x, r.narrowest_handle->y,
+                     r.narrowest_handle->z);
+}
+
 std::string lost_samples(const MeshReport& r) {
   return fmt::format("{:.1f} % of the samples are far from the mesh, most of them around {:.6g} {:.6g} {:.6g}",
                      100 * r.lost, r.most_lost->x, r.most_lost->y, r.most_lost->z);
@@ -238,6 +253,7 @@ std::string lost_samples(const MeshReport& r) {
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const MeshOptions& options, MeshReport& r) {
   choose_components(mesh, options.components, points, spacing, r);
+  report_handles(close_handles(mesh, points, spacing, noise, options.close_handles), r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   // A deliberately coarse mesh is far from its samples everywhere.

@@ -9,6 +9,7 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/meshing/narrow_handles.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/progress.h"
@@ -59,10 +60,16 @@ void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing,
 /// Reports the samples without a surface.
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report);
 
+/// Copies the handles' figures; the position stays in the mesh's coordinates.
+void report_handles(const NarrowHandles& handles, MeshReport& report);
+
+/// Warning about the remaining narrow handles, if there are any; `narrowest_handle` in input coordinates.
+std::string narrow_handles(const MeshReport& report);
+
 /// Warning about samples without a surface, if there are many; `most_lost` in input coordinates.
 std::string lost_samples(const MeshReport& report);
 
-/// Chooses the components, transfers the colours and computes the report. Throws DataError if nothing is left.
+/// Chooses the components, closes handles, transfers the colours and computes the report. Throws DataError if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const MeshOptions& options, MeshReport& r);
 
