@@ -114,9 +114,8 @@ double HandleEvidence::support(const HandleClasses& classes, const HandleLoop& l
   return loop.length > 0 ? sum / loop.length : 0;
 }
 
-/// Triangles off the band with a vertex in the ball.
-std::vector<HandleEvidence::Face> HandleEvidence::faces_around(const HandleClasses& classes, const HandleCut& cut,
-                                                               const Vec3& center, double radius) const {
+std::vector<std::uint32_t> HandleEvidence::triangles_around(const HandleClasses& classes, const Vec3& center,
+                                                            double radius) const {
   std::vector<Neighbour> near;
   vertices_.within(Vec3f(center), static_cast<float>(radius), near);
   std::vector<std::uint32_t> around;
@@ -126,10 +125,7 @@ std::vector<HandleEvidence::Face> HandleEvidence::faces_around(const HandleClass
       around.push_back(corners.entries[k] / 3);
   std::sort(around.begin(), around.end());
   around.erase(std::unique(around.begin(), around.end()), around.end());
-  std::vector<Face> faces;
-  for (const std::uint32_t t : around)
-    if (!std::binary_search(cut.band.begin(), cut.band.end(), t)) add_face(t, faces);
-  return faces;
+  return around;
 }
 
 HandleEvidence::Change HandleEvidence::change(const HandleClasses& classes, const HandleCut& cut) const {
@@ -151,7 +147,10 @@ HandleEvidence::Change HandleEvidence::change(const HandleClasses& classes, cons
   const double limit = reach(center);
   std::vector<Neighbour> near;
   samples_.within(Vec3f(center + shift_), static_cast<float>(radius + limit), near);
-  const std::vector<Face> outside = faces_around(classes, cut, center, radius + 3 * limit);
+  change.around = triangles_around(classes, center, radius + 3 * limit);
+  std::vector<Face> outside;
+  for (const std::uint32_t t : change.around)
+    if (!std::binary_search(cut.band.begin(), cut.band.end(), t)) add_face(t, outside);
   for (const Neighbour& s : near) {
     const double before = misfit(s.index, band, limit), after = misfit(s.index, caps, limit);
     change.samples += before < limit || after < limit;

@@ -31,8 +31,9 @@ class HandleEvidence {
   double support(const HandleClasses& classes, const HandleLoop& loop) const;
 
   struct Change {
-    double gain = 0;          ///< decrease of the samples' misfit, in samples without a surface
-    std::size_t samples = 0;  ///< samples within the reach of the band or of the caps
+    double gain = 0;                    ///< decrease of the samples' misfit, in samples without a surface
+    std::size_t samples = 0;            ///< samples within the reach of the band or of the caps
+    std::vector<std::uint32_t> around;  ///< triangles near the band and the caps
   };
   /// Change by a cut; the gain is negative if the handle fits better.
   Change change(const HandleClasses& classes, const HandleCut& cut) const;
@@ -49,8 +50,8 @@ class HandleEvidence {
   /// Appends a triangle unless it has no area.
   static void add_face(const Vec3& a, const Vec3& b, const Vec3& c, std::vector<Face>& faces);
   void add_face(std::uint32_t triangle, std::vector<Face>& faces) const;
-  std::vector<Face> faces_around(const HandleClasses& classes, const HandleCut& cut, const Vec3& center,
-                                 double radius) const;
+  /// Triangles with a vertex in the ball, ascending.
+  std::vector<std::uint32_t> triangles_around(const HandleClasses& classes, const Vec3& center, double radius) const;
   /// 1 less the misfit of a point of the surface, over the reach.
   double support(const Vec3& x, const Vec3& normal) const;
   std::vector<Face> faces_of(const HandleCap& cap) const;

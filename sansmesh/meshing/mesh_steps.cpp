@@ -239,10 +239,10 @@ void report_handles(const NarrowHandles& handles, MeshReport& report) {
 }
 
 std::string narrow_handles(const MeshReport& r) {
-  return fmt::format("{} {} narrower than two spacings or {} no samples around (genus {}), the narrowest around {:.6g} {:.6g} {:.6g}",
-                     counted(r.narrow_handles, "handle"), r.narrow_handles == 1 ? "is" : "are",
-                     r.narrow_handles == 1 ? "has" : "have", *r.genus, r.narrowest_handle->x, r.narrowest_handle->y,
-                     r.narrowest_handle->z);
+  return fmt::format(
+      "{} {} narrower than two spacings or {} no samples around (genus {}), the narrowest around {:.6g} {:.6g} {:.6g}",
+      counted(r.narrow_handles, "handle"), r.narrow_handles == 1 ? "is" : "are", r.narrow_handles == 1 ? "has" : "have",
+      *r.genus, r.narrowest_handle->x, r.narrowest_handle->y, r.narrowest_handle->z);
 }
 
 std::string lost_samples(const MeshReport& r) {

@@ -69,7 +69,8 @@ std::string narrow_handles(const MeshReport& report);
 /// Warning about samples without a surface, if there are many; `most_lost` in input coordinates.
 std::string lost_samples(const MeshReport& report);
 
-/// Chooses the components, closes handles, transfers the colours and computes the report. Throws DataError if nothing is left.
+/// Chooses the components, closes handles, transfers the colours and computes the report. Throws DataError if nothing
+/// is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const MeshOptions& options, MeshReport& r);
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <utility>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/mesh/repair/cut_handles.h"
@@ -79,7 +79,7 @@ std::optional<HandleCut> allowed_cut(const TriangleMesh& mesh, const HandleClass
     const double may_lose = std::max(kMayLose, kMayLoseShare * static_cast<double>(change.samples));
     if (change.gain < (must_gain ? kMustGain : -may_lose)) continue;
     const bool covers = unresolved || support < kBare || change.gain >= kGains || evidence.covers(*cut, kCovered);
-    if (covers && !caps_intersect(mesh, *cut)) return cut;
+    if (covers && !caps_intersect(mesh, *cut, change.around)) return cut;
   }
   return std::nullopt;
 }
@@ -87,8 +87,9 @@ std::optional<HandleCut> allowed_cut(const TriangleMesh& mesh, const HandleClass
 /// One round over all short loops, shortest first. Loops next to a previous one wait for the next round.
 std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses& classes,
                                    const HandleEvidence& evidence, bool close, NarrowHandles& result) {
-  const std::vector<HandleLoop> loops = classes.short_loops([&](std::uint32_t v) {
-    return kWide * std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
+  const std::vector<HandleLoop> loops = classes.short_loops([&](std::uint32_t component, std::uint32_t v) {
+    const double narrow = std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
+    return classes.open(component) ? narrow : kWide * narrow;
   });
   std::vector<HandleCut> cuts;
   std::unordered_map<std::uint32_t, IndependentLabels> independent, named;
@@ -135,6 +136,7 @@ NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double s
     const HandleEvidence evidence(mesh, points, *samples, spacing, noise);
     const bool may_close = close && evidence.known() && round < kMostRounds;
     const std::vector<HandleCut> cuts = choose_cuts(mesh, classes, evidence, may_close, result);
+    if (getenv("HD")) fprintf(stderr, "round %d cuts %zu narrow %zu\n", round, cuts.size(), result.narrow);
     if (cuts.empty()) break;
     apply_cuts(mesh, cuts);
     result.closed += cuts.size();

@@ -17,9 +17,9 @@ struct NarrowHandles {
   Vec3 narrowest;          ///< centre of the shortest remaining one, in the coordinates of the mesh
 };
 
-/// Finds the handles with a short loop (docs/methods/polygonisation.md), and with `close` cuts those that samples do not
-/// support. Lengths in the unit of the mesh. Without normals of the samples every handle stays; without samples, short
-/// means short against `spacing`. Independent of the number of threads.
+/// Finds the handles with a short loop (docs/methods/polygonisation.md), and with `close` cuts those that samples do
+/// not support. Lengths in the unit of the mesh. Without normals of the samples every handle stays; without samples,
+/// short means short against `spacing`. Independent of the number of threads.
 NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, bool close);
 
 }  // namespace sansmesh::inline v1::detail

@@ -87,7 +87,8 @@ std::optional<HandleBand> ring_around(const TriangleMesh& mesh, const HandleClas
     if (!leaving.contains(start)) continue;
     if (band.borders.size() == 2) return std::nullopt;
     band.borders.emplace_back();
-    for (auto at = leaving.find(start); at != leaving.end(); at = leaving.find(classes.to(band.borders.back().back()))) {
+    for (auto at = leaving.find(start); at != leaving.end();
+         at = leaving.find(classes.to(band.borders.back().back()))) {
       band.borders.back().push_back(at->second);
       leaving.erase(at);
     }
@@ -183,7 +184,7 @@ std::optional<HandleCut> cut_handle(const TriangleMesh& mesh, const HandleClasse
   return cut;
 }
 
-bool caps_intersect(const TriangleMesh& mesh, const HandleCut& cut) {
+bool caps_intersect(const TriangleMesh& mesh, const HandleCut& cut, std::span<const std::uint32_t> around) {
   TriangleMesh part;
   std::unordered_map<std::uint32_t, std::uint32_t> number;
   const auto vertex = [&](std::uint32_t v) {
@@ -197,24 +198,20 @@ bool caps_intersect(const TriangleMesh& mesh, const HandleCut& cut) {
     for (const std::uint32_t v : cap.rim) of.push_back(vertex(v)), box.extend(mesh.vertices[v]);
     for (const Vec3& p : cap.fresh) {
       of.push_back(static_cast<std::uint32_t>(part.vertices.size()));
-      part.vertices.emplace_back(p), box.extend(Vec3f(p));
+      part.vertices.emplace_back(p);
+      box.extend(part.vertices.back());
     }
     for (const Triangle& t : cap.triangles) part.triangles.push_back({of[t[0]], of[t[1]], of[t[2]]});
   }
   const std::size_t of_caps = part.triangles.size();
-  auto removed = cut.band.begin();
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (removed != cut.band.end() && *removed == t) {
-      ++removed;
-      continue;
-    }
-    const Triangle& c = mesh.triangles[t];
+  for (const std::uint32_t t : around) {
+    if (std::binary_search(cut.band.begin(), cut.band.end(), t)) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3f &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
     bool apart = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float a = mesh.vertices[c[0]][k], b = mesh.vertices[c[1]][k], d = mesh.vertices[c[2]][k];
-      apart = apart || std::max({a, b, d}) < box.lower[k] || std::min({a, b, d}) > box.upper[k];
-    }
-    if (!apart) part.triangles.push_back({vertex(c[0]), vertex(c[1]), vertex(c[2])});
+    for (std::size_t k = 0; k < 3; ++k)
+      apart = apart || std::max({p[k], q[k], r[k]}) < box.lower[k] || std::min({p[k], q[k], r[k]}) > box.upper[k];
+    if (!apart) part.triangles.push_back({vertex(a), vertex(b), vertex(c)});
   }
   for (const auto& [a, b] : self_intersections(part, 0))
     if (a < of_caps || b < of_caps) return true;

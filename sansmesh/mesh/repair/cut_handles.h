@@ -37,8 +37,8 @@ struct HandleCut {
 std::optional<HandleCut> cut_handle(const TriangleMesh& mesh, const HandleClasses& classes, const HandleLoop& loop,
                                     double width);
 
-/// Whether a cap intersects the other one or a remaining triangle of the mesh.
-bool caps_intersect(const TriangleMesh& mesh, const HandleCut& cut);
+/// Whether a cap intersects the other one or one of the triangles `around`. Ignores those of the band.
+bool caps_intersect(const TriangleMesh& mesh, const HandleCut& cut, std::span<const std::uint32_t> around);
 
 /// Applies cuts whose bands have no common vertices. New vertices are copies of a vertex of the rim, with their own
 /// position and normal. Removes the vertices that are no longer used. The mesh must not have attributes of triangles.

@@ -82,7 +82,8 @@ void HandleClasses::check_fans() {
       for (h = start; twin_[h] != kNone; h = next(twin_[h])) ++seen;
     ++components_[component_of_[start / 3]].euler;
     if (seen != end - begin)
-      for (std::uint32_t k = begin; k < end; ++k) components_[component_of_[corners_.entries[k] / 3]].is_surface = false;
+      for (std::uint32_t k = begin; k < end; ++k)
+        components_[component_of_[corners_.entries[k] / 3]].is_surface = false;
   }
 }
 
@@ -211,7 +212,8 @@ HandleLoop HandleClasses::shortest_through(std::uint32_t source, double longest)
       }
       Reached& other = reached[at->second];
       if (other.settled) {
-        if (other.label != path && far + other.distance <= best && (closing.first == kNone || far + other.distance < best))
+        if (other.label != path && far + other.distance <= best &&
+            (closing.first == kNone || far + other.distance < best))
           best = far + other.distance, closing = {i, at->second}, label = other.label ^ path;
       } else if (far < other.distance) {
         other.distance = far, other.parent = i, other.label = path;
@@ -225,19 +227,21 @@ HandleLoop HandleClasses::shortest_through(std::uint32_t source, double longest)
   for (std::uint32_t i = closing.first; i != kNone; i = reached[i].parent) to_first.push_back(reached[i].vertex);
   for (std::uint32_t i = closing.second; i != kNone; i = reached[i].parent) to_second.push_back(reached[i].vertex);
   // Both end at the source; their common part is no part of the loop.
-  while (to_first.size() > 1 && to_second.size() > 1 && to_first[to_first.size() - 2] == to_second[to_second.size() - 2])
+  while (to_first.size() > 1 && to_second.size() > 1 &&
+         to_first[to_first.size() - 2] == to_second[to_second.size() - 2])
     to_first.pop_back(), to_second.pop_back();
   loop.vertices = std::move(to_first);
   loop.vertices.insert(loop.vertices.end(), to_second.rbegin() + 1, to_second.rend());
   for (std::size_t i = 0; i < loop.vertices.size(); ++i)
     loop.length += norm(Vec3(mesh_.vertices[loop.vertices[i]]) -
                         Vec3(mesh_.vertices[loop.vertices[(i + 1) % loop.vertices.size()]]));
-  loop.component = component_of_[corners_.entries[corners_.first[source]] / 3];
+  loop.component = component_at(source);
   loop.label = label;
   return loop;
 }
 
-std::vector<HandleLoop> HandleClasses::short_loops(const std::function<double(std::uint32_t)>& longest) const {
+std::vector<HandleLoop> HandleClasses::short_loops(
+    const std::function<double(std::uint32_t, std::uint32_t)>& longest) const {
   std::vector<HandleLoop> found;
   if (genus_ == 0) return found;
   std::vector<std::uint32_t> sources;
@@ -248,7 +252,7 @@ std::vector<HandleLoop> HandleClasses::short_loops(const std::function<double(st
   found = parallel_collect<HandleLoop>(
       sources.size(), kSourceChunk, [&](std::size_t first, std::size_t last, std::vector<HandleLoop>& part) {
         for (std::size_t i = first; i < last; ++i) {
-          HandleLoop loop = shortest_through(sources[i], longest(sources[i]));
+          HandleLoop loop = shortest_through(sources[i], longest(component_at(sources[i]), sources[i]));
           if (!loop.vertices.empty()) part.push_back(std::move(loop));
         }
       });

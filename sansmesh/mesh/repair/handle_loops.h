@@ -36,9 +36,9 @@ class HandleClasses {
   /// Whether a component has a border.
   bool open(std::uint32_t component) const { return components_[component].borders > 0; }
 
-  /// For each vertex of some set that every loop with a label other than 0 passes, the shortest such loop through it, if
-  /// not longer than longest(vertex); ascending by length. Parallel; `longest` must be thread-safe.
-  std::vector<HandleLoop> short_loops(const std::function<double(std::uint32_t)>& longest) const;
+  /// For each vertex of some set that every loop with a label other than 0 passes, the shortest such loop through it,
+  /// if not longer than longest(component, vertex); ascending by length. Parallel; `longest` must be thread-safe.
+  std::vector<HandleLoop> short_loops(const std::function<double(std::uint32_t, std::uint32_t)>& longest) const;
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -50,9 +50,9 @@ class HandleClasses {
 
  private:
   struct Component {
-    std::uint32_t first = 0;            ///< a triangle
-    long euler = 0, borders = 0;        ///< V − E + F; number of boundary loops
-    bool is_surface = true;             ///< oriented manifold
+    std::uint32_t first = 0;      ///< a triangle
+    long euler = 0, borders = 0;  ///< V − E + F; number of boundary loops
+    bool is_surface = true;       ///< oriented manifold
     std::size_t genus() const { return is_surface ? static_cast<std::size_t>((2 - euler - borders) / 2) : 0; }
   };
 
@@ -64,6 +64,7 @@ class HandleClasses {
   void label_component(std::uint32_t component, LabelSearch& search);
   void set_label(std::uint32_t h, std::uint64_t label);
   HandleLoop shortest_through(std::uint32_t v, double longest) const;
+  std::uint32_t component_at(std::uint32_t v) const { return component_of_[corners_.entries[corners_.first[v]] / 3]; }
 
   template <class Visit>
   void each_edge_at(std::uint32_t v, const Visit& visit) const;
