@@ -136,7 +136,6 @@ NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double s
     const HandleEvidence evidence(mesh, points, *samples, spacing, noise);
     const bool may_close = close && evidence.known() && round < kMostRounds;
     const std::vector<HandleCut> cuts = choose_cuts(mesh, classes, evidence, may_close, result);
-    if (getenv("HD")) fprintf(stderr, "round %d cuts %zu narrow %zu\n", round, cuts.size(), result.narrow);
     if (cuts.empty()) break;
     apply_cuts(mesh, cuts);
     result.closed += cuts.size();
