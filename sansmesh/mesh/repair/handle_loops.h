@@ -23,7 +23,7 @@ struct HandleLoop {
 };
 
 /// Homology classes of loops on an oriented manifold mesh, after a tree-cotree decomposition
-/// (docs/methods/mesh-repair.md): each edge has a label, and the XOR of the labels along a closed loop is 0 if the loop
+/// (docs/methods/polygonisation.md): each edge has a label, and the XOR of the labels along a closed loop is 0 if the loop
 /// separates its component, or a border does. Components with edges of three triangles, or vertices of several fans,
 /// have no labels.
 class HandleClasses {
