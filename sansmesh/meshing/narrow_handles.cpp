@@ -33,8 +33,13 @@ constexpr double kBands[] = {0.35, 0.6, 0.2, 0.1, 0};
 /// Labels have 64 bits: independence of more loops than this cannot be tested reliably.
 constexpr std::size_t kMostLabels = 48;
 constexpr int kMostRounds = 8;
-/// Loops of one class that are tried.
+/// Loops of one class, and of one component in a round, that are tried.
 constexpr int kMostTries = 3;
+constexpr std::size_t kMostLoops = 500;
+/// Another round follows if the last one closed at least this share of the narrow handles.
+constexpr double kWorthwhile = 0.05;
+/// Samples contradict each other around more handles of a component than this; they stay.
+constexpr std::size_t kContradiction = 2000;
 
 Vec3 center_of(const TriangleMesh& mesh, const HandleLoop& loop) {
   Vec3 sum;
@@ -68,10 +73,11 @@ class IndependentLabels {
 /// The first cut along a loop with sound caps that the samples allow.
 std::optional<HandleCut> allowed_cut(const TriangleMesh& mesh, const HandleClasses& classes, const HandleLoop& loop,
                                      const HandleEvidence& evidence, double narrow) {
+  const bool unresolved = loop.length <= kUnresolved * narrow;
+  if (classes.open(loop.component) && !unresolved) return std::nullopt;
   const double support = evidence.support(classes, loop);
   if (support >= kReal) return std::nullopt;
-  const bool unresolved = loop.length <= kUnresolved * narrow;
-  const bool must_gain = loop.length > narrow || (classes.open(loop.component) && !unresolved);
+  const bool must_gain = loop.length > narrow;
   for (const double band : kBands) {
     std::optional<HandleCut> cut = cut_handle(mesh, classes, loop, band * loop.length);
     if (!cut) continue;
@@ -89,11 +95,13 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
                                    const HandleEvidence& evidence, bool close, NarrowHandles& result) {
   const std::vector<HandleLoop> loops = classes.short_loops([&](std::uint32_t component, std::uint32_t v) {
     const double narrow = std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
+    if (classes.genus(component) > kContradiction) return 0.0;
     return classes.open(component) ? narrow : kWide * narrow;
   });
   std::vector<HandleCut> cuts;
   std::unordered_map<std::uint32_t, IndependentLabels> independent, named;
   std::map<std::pair<std::uint32_t, std::uint64_t>, int> tries;
+  std::unordered_map<std::uint32_t, std::size_t> judged;
   constexpr std::uint8_t kCut = 1, kNamed = 2;
   std::vector<std::uint8_t> taken(loops.empty() ? 0 : mesh.vertices.size(), 0);
   const auto touches = [&](const auto& vertices, std::uint8_t by) {
@@ -107,7 +115,8 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
     const double narrow = std::numbers::pi * evidence.narrow_width(center);
     ++tried;
     std::optional<HandleCut> cut;
-    if (close && labels.size() < kMostLabels) cut = allowed_cut(mesh, classes, loop, evidence, narrow);
+    if (close && labels.size() < kMostLabels && judged[loop.component]++ < kMostLoops)
+      cut = allowed_cut(mesh, classes, loop, evidence, narrow);
     if (cut && std::none_of(cut->band.begin(), cut->band.end(),
                             [&](std::uint32_t t) { return touches(mesh.triangles[t], kCut); })) {
       labels.add(loop.label);
@@ -139,6 +148,7 @@ NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double s
     if (cuts.empty()) break;
     apply_cuts(mesh, cuts);
     result.closed += cuts.size();
+    if (static_cast<double>(cuts.size()) < kWorthwhile * static_cast<double>(result.narrow)) close = false;
   }
   result.narrow = std::min(result.narrow, result.genus);
   return result;

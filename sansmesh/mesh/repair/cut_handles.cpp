@@ -81,6 +81,7 @@ std::optional<HandleBand> ring_around(const TriangleMesh& mesh, const HandleClas
   band.inner = vertices.size() - leaving.size();
   // Starts of the borders in ascending order: the result does not depend on the order of the sets.
   std::vector<std::uint32_t> starts;
+  starts.reserve(leaving.size());
   for (const auto& [v, h] : leaving) starts.push_back(v);
   std::sort(starts.begin(), starts.end());
   for (const std::uint32_t start : starts) {

@@ -23,9 +23,9 @@ struct HandleLoop {
 };
 
 /// Homology classes of loops on an oriented manifold mesh, after a tree-cotree decomposition
-/// (docs/methods/polygonisation.md): each edge has a label, and the XOR of the labels along a closed loop is 0 if the loop
-/// separates its component, or a border does. Components with edges of three triangles, or vertices of several fans,
-/// have no labels.
+/// (docs/methods/polygonisation.md): each edge has a label, and the XOR of the labels along a closed loop is 0 if the
+/// loop separates its component, or a border does. Components with edges of three triangles, or vertices of several
+/// fans, have no labels.
 class HandleClasses {
  public:
   /// Linear time and memory. Corners of triangles must be different, existing vertices.
@@ -33,6 +33,7 @@ class HandleClasses {
 
   /// Total number of handles of all components.
   std::size_t genus() const { return genus_; }
+  std::size_t genus(std::uint32_t component) const { return components_[component].genus(); }
   /// Whether a component has a border.
   bool open(std::uint32_t component) const { return components_[component].borders > 0; }
 
