@@ -30,9 +30,10 @@ constexpr double kMayLose = 0.5, kMayLoseShare = 0.05, kMustGain = 3, kGains = 1
 constexpr double kCovered = 0.5;
 /// Widths of the removed band over the length of the loop, in the order of trial.
 constexpr double kBands[] = {0.35, 0.6, 0.2, 0.1, 0};
-/// Labels have 64 bits: independence of more loops than this cannot be tested reliably.
-constexpr std::size_t kMostLabels = 48;
-constexpr int kMostRounds = 8;
+/// Labels have 64 bits, so that independent labels may seem dependent on this number of others or more. Loops to be cut
+/// then wait for the next round; for the number of narrow handles all further ones count.
+constexpr std::size_t kMostLabels = 56;
+constexpr int kMostRounds = 4;
 /// Loops of one class, and of one component in a round, that are tried.
 constexpr int kMostTries = 3;
 constexpr std::size_t kMostLoops = 500;
@@ -56,9 +57,8 @@ class IndependentLabels {
     for (const std::uint64_t row : rows_) label = std::min(label, label ^ row);
     return label;
   }
-  /// Adds a label unless it is dependent; all labels count as independent from kMostLabels on. Returns whether it did.
+  /// Adds a label unless it is dependent; returns whether it did.
   bool add(std::uint64_t label) {
-    if (rows_.size() >= kMostLabels) return true;
     label = reduced(label);
     if (label == 0) return false;
     rows_.push_back(label);
@@ -96,7 +96,7 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
   const std::vector<HandleLoop> loops = classes.short_loops([&](std::uint32_t component, std::uint32_t v) {
     const double narrow = std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
     if (classes.genus(component) > kContradiction) return 0.0;
-    return classes.open(component) ? narrow : kWide * narrow;
+    return !close ? narrow : classes.open(component) ? kUnresolved * narrow : kWide * narrow;
   });
   std::vector<HandleCut> cuts;
   std::unordered_map<std::uint32_t, IndependentLabels> independent, named;
@@ -115,15 +115,15 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
     const double narrow = std::numbers::pi * evidence.narrow_width(center);
     ++tried;
     std::optional<HandleCut> cut;
-    if (close && labels.size() < kMostLabels && judged[loop.component]++ < kMostLoops)
-      cut = allowed_cut(mesh, classes, loop, evidence, narrow);
+    if (close && judged[loop.component]++ < kMostLoops) cut = allowed_cut(mesh, classes, loop, evidence, narrow);
     if (cut && std::none_of(cut->band.begin(), cut->band.end(),
                             [&](std::uint32_t t) { return touches(mesh.triangles[t], kCut); })) {
       labels.add(loop.label);
       for (const std::uint32_t t : cut->band)
         for (const std::uint32_t v : mesh.triangles[t]) taken[v] |= kCut;
       cuts.push_back(std::move(*cut));
-    } else if (loop.length <= narrow && !touches(loop.vertices, kNamed) && named[loop.component].add(loop.label)) {
+    } else if (loop.length <= narrow && !touches(loop.vertices, kNamed) &&
+               (named[loop.component].size() >= kMostLabels || named[loop.component].add(loop.label))) {
       for (const std::uint32_t v : loop.vertices) taken[v] |= kNamed;
       if (result.narrow++ == 0) result.narrowest = mesh.origin + center;
     }
@@ -136,19 +136,24 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
 NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, bool close) {
   NarrowHandles result;
   std::optional<KdTree> samples;
-  for (int round = 0; round <= kMostRounds; ++round) {
+  for (int round = 0;; ++round) {
     const HandleClasses classes(mesh);
     result.genus = classes.genus();
     result.narrow = 0;
     if (result.genus == 0) return result;
     if (!samples) samples.emplace(points.positions);
     const HandleEvidence evidence(mesh, points, *samples, spacing, noise);
-    const bool may_close = close && evidence.known() && round < kMostRounds;
-    const std::vector<HandleCut> cuts = choose_cuts(mesh, classes, evidence, may_close, result);
-    if (cuts.empty()) break;
+    close = close && evidence.known() && round < kMostRounds;
+    const std::vector<HandleCut> cuts =
+        close ? choose_cuts(mesh, classes, evidence, true, result) : std::vector<HandleCut>{};
+    if (cuts.empty()) {
+      result.narrow = 0;
+      choose_cuts(mesh, classes, evidence, false, result);
+      break;
+    }
     apply_cuts(mesh, cuts);
     result.closed += cuts.size();
-    if (static_cast<double>(cuts.size()) < kWorthwhile * static_cast<double>(result.narrow)) close = false;
+    close = static_cast<double>(cuts.size()) >= kWorthwhile * static_cast<double>(result.narrow);
   }
   result.narrow = std::min(result.narrow, result.genus);
   return result;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <queue>
-#include <unordered_map>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/parallel_collect.h"
@@ -13,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kTwinGrain = 4096, kSourceChunk = 64;
+constexpr std::size_t kTwinGrain = 4096, kSourceChunk = 512;
 
 }  // namespace
 
@@ -177,20 +176,35 @@ void HandleClasses::each_edge_at(std::uint32_t v, const Visit& visit) const {
   }
 }
 
-/// Dijkstra's algorithm with the label of each path. An edge between two reached vertices closes a loop; its label is
-/// the XOR of the paths' labels and the edge's.
-HandleLoop HandleClasses::shortest_through(std::uint32_t source, double longest) const {
+/// Memory of searches on one thread.
+struct LoopSearch {
   struct Reached {
     std::uint32_t vertex, parent;
     double distance;
     std::uint64_t label;
     bool settled;
   };
-  std::vector<Reached> reached{{source, kNone, 0, 0, false}};
-  std::unordered_map<std::uint32_t, std::uint32_t> index{{source, 0}};
   using Entry = std::pair<double, std::uint32_t>;
+
+  explicit LoopSearch(std::size_t vertices) : index(vertices, kNoVertex) {}
+  void start(std::uint32_t source) {
+    for (const Reached& r : reached) index[r.vertex] = kNoVertex;
+    reached.assign(1, {source, kNoVertex, 0, 0, false});
+    index[source] = 0;
+    queue = {};
+    queue.emplace(0, 0);
+  }
+
+  std::vector<std::uint32_t> index;  ///< of each vertex in `reached`
+  std::vector<Reached> reached;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  queue.emplace(0, 0);
+};
+
+/// Dijkstra's algorithm with the label of each path. An edge between two reached vertices closes a loop; its label is
+/// the XOR of the paths' labels and the edge's.
+HandleLoop HandleClasses::shortest_through(std::uint32_t source, double longest, LoopSearch& search) const {
+  search.start(source);
+  auto& [index, reached, queue] = search;
   double best = longest;
   std::pair<std::uint32_t, std::uint32_t> closing{kNone, kNone};
   std::uint64_t label = 0;
@@ -204,20 +218,20 @@ HandleLoop HandleClasses::shortest_through(std::uint32_t source, double longest)
       const double length = norm(Vec3(mesh_.vertices[v]) - Vec3(mesh_.vertices[w]));
       const double far = distance + length;
       const std::uint64_t path = reached[i].label ^ label_[h];
-      const auto [at, fresh] = index.try_emplace(w, static_cast<std::uint32_t>(reached.size()));
-      if (fresh) {
+      if (index[w] == kNoVertex) {
+        index[w] = static_cast<std::uint32_t>(reached.size());
         reached.push_back({w, i, far, path, false});
-        queue.emplace(far, at->second);
+        queue.emplace(far, index[w]);
         return;
       }
-      Reached& other = reached[at->second];
+      LoopSearch::Reached& other = reached[index[w]];
       if (other.settled) {
         if (other.label != path && far + other.distance <= best &&
             (closing.first == kNone || far + other.distance < best))
-          best = far + other.distance, closing = {i, at->second}, label = other.label ^ path;
+          best = far + other.distance, closing = {i, index[w]}, label = other.label ^ path;
       } else if (far < other.distance) {
         other.distance = far, other.parent = i, other.label = path;
-        queue.emplace(far, at->second);
+        queue.emplace(far, index[w]);
       }
     });
   }
@@ -251,8 +265,9 @@ std::vector<HandleLoop> HandleClasses::short_loops(
   sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
   found = parallel_collect<HandleLoop>(
       sources.size(), kSourceChunk, [&](std::size_t first, std::size_t last, std::vector<HandleLoop>& part) {
+        LoopSearch search(mesh_.vertices.size());
         for (std::size_t i = first; i < last; ++i) {
-          HandleLoop loop = shortest_through(sources[i], longest(component_at(sources[i]), sources[i]));
+          HandleLoop loop = shortest_through(sources[i], longest(component_at(sources[i]), sources[i]), search);
           if (!loop.vertices.empty()) part.push_back(std::move(loop));
         }
       });

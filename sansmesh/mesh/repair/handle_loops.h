@@ -13,6 +13,7 @@
 namespace sansmesh::inline v1 {
 
 struct LabelSearch;
+struct LoopSearch;
 
 /// A simple loop of edges.
 struct HandleLoop {
@@ -64,7 +65,7 @@ class HandleClasses {
   void label_edges();
   void label_component(std::uint32_t component, LabelSearch& search);
   void set_label(std::uint32_t h, std::uint64_t label);
-  HandleLoop shortest_through(std::uint32_t v, double longest) const;
+  HandleLoop shortest_through(std::uint32_t v, double longest, LoopSearch& search) const;
   std::uint32_t component_at(std::uint32_t v) const { return component_of_[corners_.entries[corners_.first[v]] / 3]; }
 
   template <class Visit>
