@@ -22,7 +22,7 @@ constexpr double kWide = 2;
 /// Loops shorter than this share of that length are below the resolution of the samples.
 constexpr double kUnresolved = 0.5;
 /// Support of the loop from which on a handle is real; below the second value it has none.
-constexpr double kReal = 0.5, kBare = 0.25;
+constexpr double kReal = 0.58, kBare = 0.25;
 /// Samples that a cut may lose: a number, or a share of those in its reach. Samples that it must gain if the handle is
 /// wide or the surface open, and that show a cover.
 constexpr double kMayLose = 0.5, kMayLoseShare = 0.05, kMustGain = 3, kGains = 1;
