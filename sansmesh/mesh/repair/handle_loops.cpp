@@ -195,7 +195,7 @@ struct LoopSearch {
     queue.emplace(0, 0);
   }
 
-  std::vector<std::uint32_t> index;  ///< of each vertex in `reached`
+  std::vector<std::uint32_t> index;  ///< position of each vertex in `reached`
   std::vector<Reached> reached;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
 };
