@@ -56,7 +56,9 @@ struct SANSMESH_API MeshOptions {
   std::optional<double> trim =
       {};  ///< cut the surface farther than this from any sample (length); 0 = choose from data
   ComponentChoice components = {};  ///< components to keep
-  bool carry_colors = true;         ///< vertices take the colour of the nearest samples, if these have colours
+  /// Cuts and caps handles and tunnels about as narrow as the spacing, or as the noise, whose walls no samples support.
+  bool close_handles = true;
+  bool carry_colors = true;  ///< vertices take the colour of the nearest samples, if these have colours
   /// Adds the vertex attributes `distance` (to the nearest sample, length) and `confidence` (1 amid samples, 0 far from
   /// all of them). Default: only where part of the surface is open.
   std::optional<bool> confidence = {};
@@ -78,12 +80,18 @@ struct SANSMESH_API MeshOptions {
 
 /// Figures of a mesh of a surface. Lengths are in the unit of the input.
 struct SANSMESH_API MeshReport {
-  std::size_t simplices = 0;           ///< simplices visited by a walk; 0 without one
-  std::size_t blocks = 0;              ///< leaf blocks
-  int block_depth = 0;                 ///< deepest level of the tree of blocks
-  int components = 0;                  ///< connected components of the mesh
-  double aspect_mean_before = 0;       ///< mean aspect ratio of the unenhanced mesh; 0 unless measured
-  double aspect_deviation_before = 0;  ///< its standard deviation
+  std::size_t simplices = 0;  ///< simplices visited by a walk; 0 without one
+  std::size_t blocks = 0;     ///< leaf blocks
+  int block_depth = 0;        ///< deepest level of the tree of blocks
+  int components = 0;         ///< connected components of the mesh
+  /// Handles of all components; empty if not measured.
+  std::optional<std::size_t> genus = {};
+  std::size_t closed_handles = 0;  ///< handles without samples that were cut (MeshOptions::close_handles)
+  /// Remaining handles narrower than two spacings or four times the noise, or without samples around them.
+  std::size_t narrow_handles = 0;
+  std::optional<Vec3> narrowest_handle;  ///< centre of the shortest loop around one of them
+  double aspect_mean_before = 0;         ///< mean aspect ratio of the unenhanced mesh; 0 unless measured
+  double aspect_deviation_before = 0;    ///< its standard deviation
   /// Mean aspect ratio l_max P / (4√3 S) of the mesh's triangles (1: equilateral); 0 unless measured.
   double aspect_mean = 0;
   double aspect_deviation = 0;  ///< its standard deviation

@@ -248,6 +248,10 @@ std::vector<std::string> summary_of(const ReconstructReport& r, const Reconstruc
   lines.push_back(normals_made(r.estimated_normals, r.oriented_by));
   if (!r.alignment.empty()) lines.push_back(r.alignment);
   if (!other && !r.paper) lines.push_back(openness_words(r, options.fit.open));
+  if (r.closed_handles > 0)
+    lines.push_back(fmt::format("genus {}: {} without samples closed", *r.genus, counted(r.closed_handles, "handle")));
+  else if (r.genus.value_or(0) > 0)
+    lines.push_back(fmt::format("genus {}", *r.genus));
   return lines;
 }
 

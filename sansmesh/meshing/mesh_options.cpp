@@ -26,6 +26,9 @@ constexpr OptionRow kRows[] = {
                                 .unit = "length",
                                 .range = at_least(0),
                                 .implied = "0"}),
+    option<&MeshOptions::close_handles>(
+        {.text = "Keep handles and tunnels as narrow as the spacing that no samples support",
+         .negative = "keep_handles"}),
     option<&MeshOptions::confidence>(
         {.text = "Write each vertex's distance to the nearest sample and its confidence, 0 to 1",
          .from_data = "if the surface is open",
@@ -117,6 +120,13 @@ constexpr ReportRow kMeshReportRows[] = {
     reported<&MeshReport::lost>(
         {.name = "lost_share", .text = "Share of the samples without a surface", .unit = "share"}),
     reported<&MeshReport::components>({.name = "components", .text = "Connected parts of the mesh"}),
+    reported<&MeshReport::genus>({.text = "Handles and tunnels of all components"}),
+    reported<&MeshReport::closed_handles>({.name = "handles.closed", .text = "Closed handles that no samples support"}),
+    reported<&MeshReport::narrow_handles>(
+        {.name = "handles.narrow",
+         .text = "Remaining handles narrower than two spacings or four times the noise, or without samples around"}),
+    reported<&MeshReport::narrowest_handle>(
+        {.name = "handles.narrowest", .text = "Centre of the shortest loop around one of them", .unit = "length"}),
     reported<&MeshReport::mesh_error>(
         {.name = "output.mesh_error", .text = "Target distance between mesh and surface", .unit = "length"}),
     reported<[](const MeshReport& r) { return if_measured(r, r.aspect_mean_before); }>(

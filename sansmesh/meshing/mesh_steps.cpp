@@ -14,6 +14,7 @@
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/meshing/narrow_handles.h"
 #include "sansmesh/points/remedies.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
@@ -275,10 +276,27 @@ Note too_many_triangles(std::size_t made, std::size_t requested) {
                   ": each part, hole and handle needs some"};
 }
 
+void report_handles(const NarrowHandles& handles, const LocalFrame& frame, MeshReport& report) {
+  report.genus = handles.genus;
+  report.closed_handles = handles.closed;
+  report.narrow_handles = handles.narrow;
+  if (handles.narrow == 0) return;
+  const Vec3 at = frame.to_input(handles.narrowest);
+  report.narrowest_handle = at;
+  const bool one = handles.narrow == 1;
+  report.notes.push_back(
+      {.code = "narrow_handles",
+       .text = fmt::format("{} {} narrower than two spacings or {} no samples around (genus {}), the narrowest around "
+                           "({:.6g}, {:.6g}, {:.6g})",
+                           counted(handles.narrow, "handle"), one ? "is" : "are", one ? "has" : "have", handles.genus,
+                           at.x, at.y, at.z)});
+}
+
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const LocalFrame& frame, const MeshOptions& options, MeshReport& r) {
   TriangleMesh left_out;
   choose_components(mesh, options.components, points, spacing, r, &left_out);
+  report_handles(close_handles(mesh, points, spacing, noise, options.close_handles), frame, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   // A deliberately coarse mesh is far from its samples everywhere.

@@ -10,6 +10,7 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
+#include "sansmesh/meshing/narrow_handles.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/progress.h"
@@ -72,8 +73,11 @@ Note* lost_samples(MeshReport& report);
 /// Warning about a mesh of more triangles than requested.
 Note too_many_triangles(std::size_t made, std::size_t requested);
 
-/// Chooses the components, transfers the colours and computes the report. `frame`: of mesh and points. Throws DataError
-/// if nothing is left.
+/// Copies the handles' figures, and warns about narrow ones. `frame`: of the mesh.
+void report_handles(const NarrowHandles& handles, const LocalFrame& frame, MeshReport& report);
+
+/// Chooses the components, closes handles, transfers the colours and computes the report. `frame`: of mesh and points.
+/// Throws DataError if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const LocalFrame& frame, const MeshOptions& options, MeshReport& r);
 

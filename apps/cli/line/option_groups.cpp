@@ -96,7 +96,7 @@ void add_cloud_options(CommandLine& c, CloudPreparation& o) {
 void add_fit_options(CommandLine& c, FitOptions& o) { add_schema(c, o, {.group = "Fit"}); }
 
 void add_mesh_options(CommandLine& c, MeshOptions& o) {
-  add_schema(c, o, {.only = {"components", "fill_holes", "trim", "confidence", "quality"}});
+  add_schema(c, o, {.only = {"components", "close_handles", "fill_holes", "trim", "confidence", "quality"}});
   add_schema(
       c, o,
       {.group = "Mesh", .only = {"mesher", "mesh_error", "triangles", "enhance", "displacement", "carry_colors"}});
