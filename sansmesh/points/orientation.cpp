@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/hidden_samples.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/relation_graph.h"
 #include "sansmesh/points/sign_graph.h"
@@ -137,6 +138,7 @@ OrientBy choose_source(const PointSet& points, const RelationGraph& graph, Orien
     const std::vector<Vec3f> found = find_own_sensor_directions(points, by, noise);
     if (found.empty()) continue;
     sensor = SensorCosines(graph, found, from_air(by));
+    if (by == OrientBy::up) sensor.forget(detail::find_hidden_from_above(graph));
     if (sensor.believable(graph)) return by;
   }
   sensor = {};

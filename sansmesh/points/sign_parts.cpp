@@ -57,6 +57,11 @@ void SensorCosines::join(SignForest& forest, float least) const {
     if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
 }
 
+void SensorCosines::forget(const std::vector<std::uint8_t>& which) {
+  for (std::size_t s = 0; s < cosine_.size(); ++s)
+    if (which[s]) cosine_[s] = 0;
+}
+
 bool SensorCosines::believable(const RelationGraph& graph) const {
   const std::size_t skip = 1 + graph.size() / kBelievedSamples, n = graph.size();
   const auto looked_at = [&](std::size_t s) { return s / kStretchSamples % skip == 0; };

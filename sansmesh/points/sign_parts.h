@@ -36,6 +36,8 @@ class SensorCosines {
   float cosine(std::size_t s) const { return cosine_[s]; }
   /// Joins the samples with larger magnitudes of the cosine to the extra node, the last of the forest.
   void join(SignForest& forest, float least) const;
+  /// Forgets the directions of these samples.
+  void forget(const std::vector<std::uint8_t>& which);
   /// Whether each smooth patch has been seen from one side. Large clouds are tested on some stretches in tree order.
   bool believable(const RelationGraph& graph) const;
 
