@@ -60,6 +60,7 @@ void SensorCosines::join(SignForest& forest, float least) const {
 void SensorCosines::forget(const std::vector<std::uint8_t>& which) {
   for (std::size_t s = 0; s < cosine_.size(); ++s)
     if (which[s]) cosine_[s] = 0;
+  hidden_ = which;
 }
 
 bool SensorCosines::believable(const RelationGraph& graph) const {
@@ -87,13 +88,14 @@ bool SensorCosines::believable(const RelationGraph& graph) const {
 
 void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
   if (sensor.known()) {
+    if (!sensor.hidden().empty()) join_stretches(graph, forest, kSure[0], kLeastPatch, sensor.hidden());
     sensor.join(forest, kClearSensorCosine);
     forest.flatten();
   } else {
     join_stretches(graph, forest, kSure[0]);
   }
   for (const int sure : kSure) {
-    join_sure(graph, forest, sure);
+    join_sure(graph, forest, sure, sensor.hidden());
     progress.advance(graph.size());
   }
   if (sensor.known()) sensor.join(forest, kLeastSensorCosine);

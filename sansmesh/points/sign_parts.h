@@ -38,11 +38,13 @@ class SensorCosines {
   void join(SignForest& forest, float least) const;
   /// Forgets the directions of these samples.
   void forget(const std::vector<std::uint8_t>& which);
+  const std::vector<std::uint8_t>& hidden() const { return hidden_; }
   /// Whether each smooth patch has been seen from one side. Large clouds are tested on some stretches in tree order.
   bool believable(const RelationGraph& graph) const;
 
  private:
   std::vector<float> cosine_;
+  std::vector<std::uint8_t> hidden_;
 };
 
 /// Connected parts of the graph, and the sign of each sample that makes it agree with its part.
