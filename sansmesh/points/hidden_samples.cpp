@@ -13,11 +13,12 @@ namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Neighbours in the plan view, and number of these above and in another sheet from which a sample is hidden.
-constexpr std::size_t kPlanNeighbours = 16, kFewestAbove = 2;
+constexpr std::size_t kPlanNeighbours = 48, kFewestAbove = 2;
 /// Largest relation of two upward normals of different sheets.
 constexpr float kOtherSheet = -0.5f;
 /// Samples of one sheet differ in height by up to this many noise levels.
 constexpr double kThickness = 5;
+constexpr float kApart = 3;
 /// Rounds in which the neighbours of hidden samples in their patch count as hidden, too: at its rim a sheet may seem
 /// visible.
 constexpr int kRimRounds = 2;
@@ -26,10 +27,11 @@ constexpr double kHiddenPatch = 0.6;
 
 /// Whether q is above p in another sheet. `n` and `m` are their upward normals. On one sheet these are mirror images in
 /// the bisecting plane of the chord (as in RelationGraph); across two they are not.
-bool is_above(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen) {
+bool is_above(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen, float apart) {
   const Vec3f d = q - p;
   const float a = dot(n, d), b = dot(m, d);
   if (!(d.z > 0) || !(std::min(std::abs(a), std::abs(b)) > unseen)) return false;
+  if (std::min(std::abs(a), std::abs(b)) > apart) return true;
   return dot(n, m) - 2 * a * b / squared_norm(d) < kOtherSheet;
 }
 
@@ -78,9 +80,10 @@ std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
   tree.for_each_nearest(kPlanNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
     const std::uint32_t s = known[tree.order()[slot]];
     std::size_t above = 0;
+    const float apart = kApart * std::sqrt(found.back().squared_distance);
     for (const Neighbour& neighbour : found) {
       const std::uint32_t q = known[tree.order()[neighbour.index]];
-      above += is_above(graph.positions()[s], upward(s), graph.positions()[q], upward(q), unseen);
+      above += is_above(graph.positions()[s], upward(s), graph.positions()[q], upward(q), unseen, apart);
     }
     hidden[s] = above >= kFewestAbove;
   });
