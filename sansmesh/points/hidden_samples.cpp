@@ -1,6 +1,7 @@
 #include "sansmesh/points/hidden_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -63,13 +64,23 @@ void hide_patches(const RelationGraph& graph, std::span<const std::uint32_t> kno
 }  // namespace
 
 std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
+  static const int level = getenv("SM_LEVEL") ? atoi(getenv("SM_LEVEL")) : 90;
+  static const unsigned least = getenv("SM_LEAST") ? atoi(getenv("SM_LEAST")) : 200;
   std::vector<std::uint8_t> hidden(graph.size());
-  std::vector<std::uint32_t> known;
+  SignForest sheets(graph.size());
+  join_stretches(graph, sheets, level);
+  join_sure(graph, sheets, level);
+  std::vector<std::uint32_t> in(graph.size());
+  for (std::uint32_t s = 0; s < graph.size(); ++s) ++in[sheets.flat_root(s).index];
+  std::vector<std::uint32_t> known, covers;
   std::vector<Vec3f> plan;
-  for (std::size_t s = 0; s < graph.size(); ++s) {
+  const auto in_plan = [&](std::size_t s) { return Vec3f{graph.positions()[s].x, graph.positions()[s].y, 0}; };
+  for (std::uint32_t s = 0; s < graph.size(); ++s) {
     if (!(std::abs(graph.normals()[s].z) > kLeastSensorCosine) || !graph.firm(s)) continue;
-    known.push_back(static_cast<std::uint32_t>(s));
-    plan.push_back({graph.positions()[s].x, graph.positions()[s].y, 0});
+    known.push_back(s);
+    if (in[sheets.flat_root(s).index] < least) continue;
+    covers.push_back(s);
+    plan.push_back(in_plan(s));
   }
   const KdTree tree(plan);
   const auto unseen = static_cast<float>(kThickness * graph.noise());
@@ -77,12 +88,15 @@ std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
     const Vec3f& n = graph.normals()[s];
     return n.z < 0 ? -n : n;
   };
-  tree.for_each_nearest(kPlanNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
-    const std::uint32_t s = known[tree.order()[slot]];
+  parallel_for(0, known.size(), 256, [&](std::size_t i) {
+    const std::uint32_t s = known[i];
+    std::array<Neighbour, kPlanNeighbours> found;
+    const std::size_t n = tree.nearest(in_plan(s), found);
+    if (n == 0) return;
     std::size_t above = 0;
-    const float apart = kApart * std::sqrt(found.back().squared_distance);
-    for (const Neighbour& neighbour : found) {
-      const std::uint32_t q = known[tree.order()[neighbour.index]];
+    const float apart = kApart * std::sqrt(found[n - 1].squared_distance);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint32_t q = covers[found[k].index];
       above += is_above(graph.positions()[s], upward(s), graph.positions()[q], upward(q), unseen, apart);
     }
     hidden[s] = above >= kFewestAbove;
