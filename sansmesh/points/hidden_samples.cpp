@@ -15,19 +15,23 @@ namespace {
 
 /// Neighbours in the plan view, and number of these above and in another sheet from which a sample is hidden.
 constexpr std::size_t kPlanNeighbours = 48, kFewestAbove = 2;
+/// Least number of samples of a smooth patch that hides others: leaves do not.
+constexpr std::uint32_t kFewestInCover = 200;
 /// Largest relation of two upward normals of different sheets.
 constexpr float kOtherSheet = -0.5f;
+/// Height between the tangent planes of different sheets, in radii of the neighbourhood in the plan view.
+constexpr float kApart = 3;
 /// Samples of one sheet differ in height by up to this many noise levels.
 constexpr double kThickness = 5;
-constexpr float kApart = 3;
-/// Rounds in which the neighbours of hidden samples in their patch count as hidden, too: at its rim a sheet may seem
-/// visible.
+/// Rounds in which the neighbours of hidden samples on their sheet become hidden: no cover is found above its rim.
 constexpr int kRimRounds = 2;
-/// Share of a smooth patch from which all of it counts as hidden.
+/// Share of hidden samples from which all of a smooth patch is hidden.
 constexpr double kHiddenPatch = 0.6;
+/// Least number of samples of a hidden region. Ground beneath plants and eaves has smaller ones, and faces up.
+constexpr std::uint32_t kFewestInRegion = 400;
 
-/// Whether q is above p in another sheet. `n` and `m` are their upward normals. On one sheet these are mirror images in
-/// the bisecting plane of the chord (as in RelationGraph); across two they are not.
+/// Whether q is above p on another sheet. `n` and `m` are their upward normals. On one sheet these are mirror images in
+/// the bisecting plane of the chord (as in RelationGraph), and tangent planes are close to the samples nearby.
 bool is_above(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen, float apart) {
   const Vec3f d = q - p;
   const float a = dot(n, d), b = dot(m, d);
@@ -45,12 +49,16 @@ void extend(const RelationGraph& graph, std::vector<std::uint8_t>& hidden) {
   });
 }
 
-/// Hides smooth patches that are mostly hidden.
-void hide_patches(const RelationGraph& graph, std::span<const std::uint32_t> known, std::vector<std::uint8_t>& hidden) {
+SignForest smooth_patches(const RelationGraph& graph) {
   SignForest patches(graph.size());
   join_stretches(graph, patches, kSure[0]);
   for (const int sure : kSure) join_sure(graph, patches, sure);
-  std::vector<std::uint32_t> members(graph.size()), beneath(graph.size());
+  return patches;
+}
+
+/// Hides smooth patches that are mostly hidden.
+void hide_patches(const SignForest& patches, std::span<const std::uint32_t> known, std::vector<std::uint8_t>& hidden) {
+  std::vector<std::uint32_t> members(patches.size()), beneath(patches.size());
   for (const std::uint32_t s : known) {
     const std::uint32_t patch = patches.flat_root(s).index;
     ++members[patch], beneath[patch] += hidden[s];
@@ -61,48 +69,57 @@ void hide_patches(const RelationGraph& graph, std::span<const std::uint32_t> kno
   }
 }
 
+/// Small hidden regions count as visible: they may be ground beneath plants, whose neighbours decide nothing.
+void show_small_regions(const RelationGraph& graph, std::vector<std::uint8_t>& hidden) {
+  std::vector<std::uint8_t> visible(graph.size());
+  for (std::size_t s = 0; s < graph.size(); ++s) visible[s] = !hidden[s];
+  SignForest regions(graph.size());
+  join_sure(graph, regions, 0, visible);
+  std::vector<std::uint32_t> members(graph.size());
+  for (std::uint32_t s = 0; s < graph.size(); ++s) ++members[regions.flat_root(s).index];
+  for (std::uint32_t s = 0; s < graph.size(); ++s)
+    if (members[regions.flat_root(s).index] < kFewestInRegion) hidden[s] = 0;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
-  static const int level = getenv("SM_LEVEL") ? atoi(getenv("SM_LEVEL")) : 90;
-  static const unsigned least = getenv("SM_LEAST") ? atoi(getenv("SM_LEAST")) : 200;
-  std::vector<std::uint8_t> hidden(graph.size());
-  SignForest sheets(graph.size());
-  join_stretches(graph, sheets, level);
-  join_sure(graph, sheets, level);
-  std::vector<std::uint32_t> in(graph.size());
-  for (std::uint32_t s = 0; s < graph.size(); ++s) ++in[sheets.flat_root(s).index];
-  std::vector<std::uint32_t> known, covers;
+  const std::size_t n = graph.size();
+  const SignForest patches = smooth_patches(graph);
+  std::vector<std::uint32_t> members(n), known, covers;
+  for (std::uint32_t s = 0; s < n; ++s) ++members[patches.flat_root(s).index];
   std::vector<Vec3f> plan;
-  const auto in_plan = [&](std::size_t s) { return Vec3f{graph.positions()[s].x, graph.positions()[s].y, 0}; };
-  for (std::uint32_t s = 0; s < graph.size(); ++s) {
+  const auto in_plan = [&](std::uint32_t s) { return Vec3f{graph.positions()[s].x, graph.positions()[s].y, 0}; };
+  for (std::uint32_t s = 0; s < n; ++s) {
     if (!(std::abs(graph.normals()[s].z) > kLeastSensorCosine) || !graph.firm(s)) continue;
     known.push_back(s);
-    if (in[sheets.flat_root(s).index] < least) continue;
+    if (members[patches.flat_root(s).index] < kFewestInCover) continue;
     covers.push_back(s);
     plan.push_back(in_plan(s));
   }
   const KdTree tree(plan);
   const auto unseen = static_cast<float>(kThickness * graph.noise());
   const auto upward = [&](std::uint32_t s) {
-    const Vec3f& n = graph.normals()[s];
-    return n.z < 0 ? -n : n;
+    const Vec3f& normal = graph.normals()[s];
+    return normal.z < 0 ? -normal : normal;
   };
+  std::vector<std::uint8_t> hidden(n);
   parallel_for(0, known.size(), 256, [&](std::size_t i) {
     const std::uint32_t s = known[i];
     std::array<Neighbour, kPlanNeighbours> found;
-    const std::size_t n = tree.nearest(in_plan(s), found);
-    if (n == 0) return;
+    const std::size_t count = tree.nearest(in_plan(s), found);
+    if (count == 0) return;
+    const float apart = kApart * std::sqrt(found[count - 1].squared_distance);
     std::size_t above = 0;
-    const float apart = kApart * std::sqrt(found[n - 1].squared_distance);
-    for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       const std::uint32_t q = covers[found[k].index];
       above += is_above(graph.positions()[s], upward(s), graph.positions()[q], upward(q), unseen, apart);
     }
     hidden[s] = above >= kFewestAbove;
   });
   for (int round = 0; round < kRimRounds; ++round) extend(graph, hidden);
-  hide_patches(graph, known, hidden);
+  hide_patches(patches, known, hidden);
+  show_small_regions(graph, hidden);
   return hidden;
 }
 

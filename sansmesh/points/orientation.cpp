@@ -138,17 +138,7 @@ OrientBy choose_source(const PointSet& points, const RelationGraph& graph, Orien
     const std::vector<Vec3f> found = find_own_sensor_directions(points, by, noise);
     if (found.empty()) continue;
     sensor = SensorCosines(graph, found, from_air(by));
-    if (by == OrientBy::up) {
-      const auto hidden = detail::find_hidden_from_above(graph);
-      sensor.forget(hidden);
-      if (const char* f = getenv("SM_DBG")) {
-        std::vector<int> h(graph.size());
-        for (std::size_t s = 0; s < graph.size(); ++s) h[graph.tree().order()[s]] = hidden[s] ? 2 : sensor.cosine(s) != 0;
-        FILE* o = fopen(f, "w");
-        for (int x : h) fprintf(o, "%d\n", x);
-        fclose(o);
-      }
-    }
+    if (by == OrientBy::up) sensor.forget(detail::find_hidden_from_above(graph));
     if (sensor.believable(graph)) return by;
   }
   sensor = {};

@@ -62,9 +62,7 @@ void check_shape(const PointSet& points, double unit, bool as_mesh = false) {
       throw DataError("all points coincide: there is no surface to reconstruct");
     case CloudShape::line:
       throw DataError("all points lie on one line: there is no surface to reconstruct");
-    case CloudShape::plane:
-      if (as_mesh) break;
-      throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
+    case CloudShape::plane:  // an open sheet
     case CloudShape::volume:
       break;
   }

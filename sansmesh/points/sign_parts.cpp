@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
@@ -57,10 +58,11 @@ void SensorCosines::join(SignForest& forest, float least) const {
     if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
 }
 
-void SensorCosines::forget(const std::vector<std::uint8_t>& which) {
+void SensorCosines::forget(std::vector<std::uint8_t> hidden) {
+  if (std::find(hidden.begin(), hidden.end(), std::uint8_t{1}) == hidden.end()) return;
   for (std::size_t s = 0; s < cosine_.size(); ++s)
-    if (which[s]) cosine_[s] = 0;
-  hidden_ = which;
+    if (hidden[s]) cosine_[s] = 0;
+  hidden_ = std::move(hidden);
 }
 
 bool SensorCosines::believable(const RelationGraph& graph) const {
@@ -88,6 +90,7 @@ bool SensorCosines::believable(const RelationGraph& graph) const {
 
 void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
   if (sensor.known()) {
+    // Reliable edges cross the wedge where an object touches the ground: a single one must not decide.
     if (!sensor.hidden().empty()) join_stretches(graph, forest, kSure[0], kLeastPatch, sensor.hidden());
     sensor.join(forest, kClearSensorCosine);
     forest.flatten();
