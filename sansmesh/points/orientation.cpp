@@ -196,8 +196,8 @@ OrientationCheck check_orientation(const PointSet& points, std::optional<double>
   return judge_some(points, known_noise, false).check;
 }
 
-OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise) {
-  return judge_some(points, known_noise, true);
+OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise, bool with_doubt) {
+  return judge_some(points, known_noise, with_doubt);
 }
 
 }  // namespace sansmesh::inline v1

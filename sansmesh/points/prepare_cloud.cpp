@@ -14,6 +14,7 @@
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/height_field.h"
+#include "sansmesh/points/inward_parts.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -30,6 +31,8 @@ namespace {
 constexpr std::size_t kFewest = 9;
 /// Largest share of given normals facing away from the sensor: noise at grazing angles.
 constexpr double kMostFacingAway = 0.1;
+/// Share of inward normals from which closed parts are examined.
+constexpr double kFewInward = 0.001;
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
   const std::size_t given = points.size();
@@ -131,16 +134,35 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
 }
 
 /// For thin parts, faces that bound solids are more reliable than neighbours.
-OrientationCheck judged_orientation(const PreparedCloud& cloud) {
+OrientationReport judged_orientation(const PreparedCloud& cloud) {
+  OrientationReport report;
   switch (cloud.face_sides) {
     case FaceSides::outward:
-      return OrientationCheck::oriented;
+      report.check = OrientationCheck::oriented;
+      return report;
     case FaceSides::inward:
-      return OrientationCheck::inward;
+      report.check = OrientationCheck::inward;
+      return report;
     case FaceSides::unknown:
       break;
   }
-  return check_orientation(cloud.points, cloud.noise);
+  return measure_orientation(cloud.points, cloud.noise, false);
+}
+
+/// Flips consistent normals that point inward: all of faces that bound solids, others by closed parts.
+void face_outward(PreparedCloud& cloud, const OrientationReport& report) {
+  PointSet& points = cloud.points;
+  const bool mostly = report.check == OrientationCheck::inward;
+  if (!mostly && report.inward < kFewInward) return;
+  std::size_t flipped = points.size();
+  if (cloud.face_sides != FaceSides::unknown)
+    for (Vec3f& n : points.normals) n = -n;
+  else
+    flipped = flip_inward_parts(points, *cloud.noise, mostly);
+  if (flipped == points.size())
+    cloud.warnings.push_back("the normals point inward: flipped");
+  else if (flipped > 0)
+    cloud.warnings.push_back(counted(flipped, "normal") + " flipped: they pointed into closed parts");
 }
 
 void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress& progress) {
@@ -154,12 +176,11 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   if (use.normals == NormalUse::estimate) points.normals.clear(), cloud.face_sides = FaceSides::unknown;
   progress.begin("check normals");
   cloud.noise = estimate_noise(points);
-  const OrientationCheck check = judged_orientation(cloud);
+  const OrientationReport report = judged_orientation(cloud);
+  const OrientationCheck check = report.check;
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
-    if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
-    cloud.warnings.push_back("the normals point inward: flipped");
-    for (Vec3f& n : points.normals) n = -n;
+    if (!look_at_sensors(cloud, progress)) face_outward(cloud, report);
     return;
   }
   const KdTree tree(points.positions);
