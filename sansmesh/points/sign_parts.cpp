@@ -150,11 +150,45 @@ std::size_t sets_of(const SignForest& forest) {
   return count;
 }
 
+namespace {
+
+/// Least number of samples of a coherent hidden group that is the underside of an object.
+constexpr std::uint32_t kFewestOfUnderside = 400;
+
+/// Turns small hidden groups up, unless they border on a large one: they are ground among plants.
+void turn_small_groups(const RelationGraph& graph, const std::vector<std::uint8_t>& hidden, Parts& parts) {
+  SignForest groups(graph.size());
+  const auto coherent = [&](std::size_t s, std::size_t k) {
+    const std::uint32_t q = graph.neighbour(s, k);
+    const int r = graph.relation_to(s, k);
+    return hidden[s] && hidden[q] && std::abs(r) >= kSure[3] && (r < 0) == (parts.sign[s] != parts.sign[q]);
+  };
+  visit_edges(graph, coherent,
+              [&](const RelationEdge& e) { groups.join(e.sample, graph.neighbour(e.sample, e.rank), false); });
+  groups.flatten();
+  std::vector<std::uint32_t> members(graph.size());
+  for (std::uint32_t s = 0; s < graph.size(); ++s) ++members[groups.flat_root(s).index];
+  const auto is_large = [&](std::uint32_t s) { return members[groups.flat_root(s).index] >= kFewestOfUnderside; };
+  std::vector<std::uint8_t> keeps(graph.size());  // by group
+  for (std::uint32_t s = 0; s < graph.size(); ++s)
+    for (std::size_t k = 0; k < graph.degree() && hidden[s]; ++k)
+      if (is_large(s) || is_large(graph.neighbour(s, k))) keeps[groups.flat_root(s).index] = 1;
+  for (std::uint32_t s = 0; s < graph.size(); ++s) {
+    if (!hidden[s] || parts.part[s] != *parts.seen || keeps[groups.flat_root(s).index]) continue;
+    const float z = graph.normals()[s].z;
+    if (std::abs(z) > kClearSensorCosine && graph.firm(s))
+      parts.sign[s] = static_cast<std::int8_t>(z < 0 ? -parts.seen_sign : parts.seen_sign);
+  }
+}
+
+}  // namespace
+
 Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
   SignForest forest(graph.size() + 1);
   propagate(graph, sensor, forest, progress);
   Parts parts = collect_parts(graph, sensor, forest);
   polish(graph, sensor, parts);
+  if (parts.seen && !sensor.hidden().empty()) turn_small_groups(graph, sensor.hidden(), parts);
   if (sensor.known()) return parts;
   const double agreement = graph.agreement(parts.sign);
   if (agreement >= kHardlyContradicted) return parts;
