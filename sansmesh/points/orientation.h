@@ -39,10 +39,11 @@ struct OrientationOptions {
 /// Flips points.normals such that neighbours agree and each connected part faces its sensor or, if that is unknown,
 /// outward. Propagates signs along a neighbour graph from the most to the least reliable edges (after [hoppe1992]):
 /// first within smooth patches, then between patches by the vote of all connecting edges, with the rule of [koenig2009]
-/// across creases. Samples that clearly face the sensor or clearly face away are fixed from the start; parts without
-/// such samples are oriented by their extremal points and volume, and doubtful ones by winding numbers [wnnc2024]. Zero
-/// normals stay zero, and those that are not finite have no effect. Returns the source of the signs. Throws DataError
-/// if there are no normals, or the source `options.by` is unknown.
+/// across creases. Samples that clearly face the sensor or clearly face away are fixed from the start, with the
+/// automatic source `up` unless another sheet hides them from above; parts without such samples are oriented by their
+/// extremal points and volume, and doubtful ones by winding numbers [wnnc2024]. Zero normals stay zero, and those that
+/// are not finite have no effect. Returns the source of the signs. Throws DataError if there are no normals, or the
+/// source `options.by` is unknown.
 OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress);
 
 /// Same, with an existing tree of the positions.
