@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/meshing/mesh_steps.h"
 
@@ -10,6 +11,18 @@ namespace {
 
 /// Least gap of the blocks over a requested mesh error: a coarse mesh is made from a finer one.
 constexpr double kCoarseBlocks = 0.5;
+/// Mean numbers of samples of a fit, and number of fits, from which a fit may extend over several parts of a surface:
+/// over those of a plane, or over a gap.
+constexpr std::size_t kSamplesOfLargeFit = 300, kFewFits = 64;
+
+/// The feet of the fits, and the samples of large fits: the foot of such a fit may be between its samples.
+std::vector<Vec3> starting_points(const FittedFunction& function) {
+  std::vector<Vec3> seeds = function.field.seeds();
+  const PointSet& samples = *function.samples;
+  if (seeds.size() > kFewFits && samples.size() < kSamplesOfLargeFit * seeds.size()) return seeds;
+  for (const Vec3f& p : samples.positions) seeds.push_back(samples.origin + Vec3(p));
+  return seeds;
+}
 
 }  // namespace
 
@@ -17,7 +30,7 @@ FunctionCut prepare_cut(const FittedFunction& function, const MeshOptions& optio
   const PartitionOfUnity& field = function.field;
   const double mesh_error = options.mesh_error ? function.frame.from_input(*options.mesh_error) : usual_error;
   PolygonizeOptions meshing = meshing_options(options, mesh_error, field.data().options.sharp);
-  meshing.seeds = field.seeds();
+  meshing.seeds = starting_points(function);
   const bool coarse = options.mesh_error.has_value();
   const double gap =
       coarse && options.enhance ? std::max(kCoarseBlocks * mesh_error, std::min(mesh_error, usual_error)) : mesh_error;

@@ -14,6 +14,8 @@ constexpr double kOnClosed = -0.42;
 /// Largest edge of the blocks along a border, in spacings of the samples there, and largest distance of the border from
 /// these, in reaches.
 constexpr float kBorderBlock = 3.5f, kBorderWidth = 0.6f;
+/// Least depth of the blocks of open surfaces.
+constexpr int kLeastOpenDepth = 4;
 /// Of this many samples at a border one determines whether a block is too large.
 constexpr std::size_t kEnough = 256;
 
@@ -116,6 +118,11 @@ void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
       return !(open_.distance(b.position) < closed_.distance(b.position));
     });
   refine_along(borders, blocks, deepest);
+  // A plane needs few blocks, but faces of the cube, where the surface is closed, must be beyond the reach of samples.
+  while (blocks.depth() < std::min(kLeastOpenDepth, deepest)) {
+    const std::vector<std::uint32_t> leaves = blocks.leaves();
+    blocks.subdivide_all(leaves);
+  }
 }
 
 void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, int deepest) {

@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/hidden_samples.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/relation_graph.h"
 #include "sansmesh/points/sign_graph.h"
@@ -137,6 +138,7 @@ OrientBy choose_source(const PointSet& points, const RelationGraph& graph, Orien
     const std::vector<Vec3f> found = find_own_sensor_directions(points, by, noise);
     if (found.empty()) continue;
     sensor = SensorCosines(graph, found, from_air(by));
+    if (by == OrientBy::up) sensor.forget(detail::find_hidden_from_above(graph));
     if (sensor.believable(graph)) return by;
   }
   sensor = {};
@@ -194,8 +196,8 @@ OrientationCheck check_orientation(const PointSet& points, std::optional<double>
   return judge_some(points, known_noise, false).check;
 }
 
-OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise) {
-  return judge_some(points, known_noise, true);
+OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise, bool with_doubt) {
+  return judge_some(points, known_noise, with_doubt);
 }
 
 }  // namespace sansmesh::inline v1

@@ -14,6 +14,7 @@
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/height_field.h"
+#include "sansmesh/points/inward_parts.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -31,6 +32,8 @@ namespace {
 constexpr std::size_t kFewest = 9;
 /// Largest share of given normals facing away from the sensor: noise at grazing angles.
 constexpr double kMostFacingAway = 0.1;
+/// Share of inward normals from which closed parts are examined.
+constexpr double kFewInward = 0.001;
 
 void clean(PointSet& points, std::vector<Note>& notes) {
   const std::size_t given = points.size();
@@ -63,9 +66,7 @@ void check_shape(const PointSet& points, double unit, bool as_mesh = false) {
       throw DataError("all points coincide: there is no surface to reconstruct");
     case CloudShape::line:
       throw DataError("all points lie on one line: there is no surface to reconstruct");
-    case CloudShape::plane:
-      if (as_mesh) break;
-      throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
+    case CloudShape::plane:  // an open sheet
     case CloudShape::volume:
       break;
   }
@@ -154,16 +155,36 @@ bool replace_unrelated_normals(PreparedCloud& cloud, const KdTree& tree, Progres
 }
 
 /// For thin parts, faces that bound solids are more reliable than neighbours.
-OrientationCheck judged_orientation(const PreparedCloud& cloud) {
+OrientationReport judged_orientation(const PreparedCloud& cloud) {
+  OrientationReport report;
   switch (cloud.face_sides) {
     case FaceSides::outward:
-      return OrientationCheck::oriented;
+      report.check = OrientationCheck::oriented;
+      return report;
     case FaceSides::inward:
-      return OrientationCheck::inward;
+      report.check = OrientationCheck::inward;
+      return report;
     case FaceSides::unknown:
       break;
   }
-  return check_orientation(cloud.points, cloud.noise);
+  return measure_orientation(cloud.points, cloud.noise, false);
+}
+
+/// Flips consistent normals that point inward: all of faces that bound solids, others by closed parts.
+void face_outward(PreparedCloud& cloud, const OrientationReport& report) {
+  PointSet& points = cloud.points;
+  const bool mostly = report.check == OrientationCheck::inward;
+  if (!mostly && report.inward < kFewInward) return;
+  std::size_t flipped = points.size();
+  if (cloud.face_sides != FaceSides::unknown)
+    for (Vec3f& n : points.normals) n = -n;
+  else
+    flipped = flip_inward_parts(points, *cloud.noise, mostly);
+  if (flipped == points.size())
+    cloud.notes.push_back({.code = "normals_flipped", .text = "the normals point inward: flipped"});
+  else if (flipped > 0)
+    cloud.notes.push_back(
+        {.code = "normals_flipped", .text = counted(flipped, "normal") + " flipped: they pointed into closed parts"});
 }
 
 void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress& progress) {
@@ -177,12 +198,11 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   if (use.normals == NormalUse::estimate) points.normals.clear(), cloud.face_sides = FaceSides::unknown;
   progress.begin("check normals");
   cloud.noise = estimate_noise(points);
-  const OrientationCheck check = judged_orientation(cloud);
+  const OrientationReport report = judged_orientation(cloud);
+  const OrientationCheck check = report.check;
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
-    if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
-    cloud.notes.push_back({.code = "normals_flipped", .text = "the normals point inward: flipped"});
-    for (Vec3f& n : points.normals) n = -n;
+    if (!look_at_sensors(cloud, progress)) face_outward(cloud, report);
     return;
   }
   const KdTree tree(points.positions);

@@ -33,7 +33,7 @@ struct PreparedCloud {
 };
 
 /// First half of prepare_cloud: cleaning, sampling of faces if required, translation and scaling; keeps given normals.
-/// Throws DataError if the points are unusable (fewer than 9, all coincident, collinear or coplanar).
+/// Throws DataError if the points are unusable (fewer than 9, all coincident or collinear).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
 /// Samples that clearly belong to no surface, if `remove_outliers` is not set.

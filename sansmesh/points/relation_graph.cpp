@@ -139,7 +139,8 @@ void RelationGraph::limit_areas() {
   });
 }
 
-void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch) {
+void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch,
+                    std::span<const std::uint8_t> only) {
   const std::size_t several = stretch < kEdgeSamples ? kEdgeSamples / stretch : 1, stretches = several * stretch;
   parallel_for(0, (graph.size() + stretches - 1) / stretches, 1, [&](std::size_t c) {
     const std::size_t begin = c * stretches, end = std::min(graph.size(), begin + stretches);
@@ -147,14 +148,16 @@ void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, st
       for (std::size_t k = 0; k < graph.degree(); ++k) {
         const int r = graph.relation_to(s, k);
         const std::uint32_t q = graph.neighbour(s, k);
+        if (!only.empty() && !(only[s] && only[q])) continue;
         if (std::abs(r) >= sure && q / stretch == s / stretch) forest.join(static_cast<std::uint32_t>(s), q, r < 0);
       }
   });
   forest.flatten();
 }
 
-void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
+void join_sure(const RelationGraph& graph, SignForest& forest, int sure, std::span<const std::uint8_t> apart) {
   const auto joins = [&](std::size_t s, std::size_t k) {
+    if (!apart.empty() && (apart[s] || apart[graph.neighbour(s, k)])) return false;
     return std::abs(graph.relation_to(s, k)) >= sure &&
            forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
   };

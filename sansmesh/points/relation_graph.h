@@ -80,12 +80,13 @@ void visit_edges(const RelationGraph& graph, const Keep& keep, const Visit& visi
 }
 
 /// Joins along edges at least this reliable within stretches of this many samples in tree order, independently, in a
-/// forest of single samples.
-void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch = kEdgeSamples);
+/// forest of single samples. With `only`, joins these samples among themselves.
+void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch = kEdgeSamples,
+                    std::span<const std::uint8_t> only = {});
 
 /// Joins along all edges at least this reliable; the forest is flat before and after. Most edges connect samples
-/// already joined, which all threads detect in parallel.
-void join_sure(const RelationGraph& graph, SignForest& forest, int sure);
+/// already joined, which all threads detect in parallel. Edges of samples in `apart`, if any, do not count.
+void join_sure(const RelationGraph& graph, SignForest& forest, int sure, std::span<const std::uint8_t> apart = {});
 
 /// Joins the remaining sets of a flat forest by the votes of all edges between them, and further ones (`contract`).
 void join_by_votes(const RelationGraph& graph, SignForest& forest, std::vector<SignVote> votes = {});

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
@@ -57,6 +58,13 @@ void SensorCosines::join(SignForest& forest, float least) const {
     if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
 }
 
+void SensorCosines::forget(std::vector<std::uint8_t> hidden) {
+  if (std::find(hidden.begin(), hidden.end(), std::uint8_t{1}) == hidden.end()) return;
+  for (std::size_t s = 0; s < cosine_.size(); ++s)
+    if (hidden[s]) cosine_[s] = 0;
+  hidden_ = std::move(hidden);
+}
+
 bool SensorCosines::believable(const RelationGraph& graph) const {
   const std::size_t skip = 1 + graph.size() / kBelievedSamples, n = graph.size();
   const auto looked_at = [&](std::size_t s) { return s / kStretchSamples % skip == 0; };
@@ -82,13 +90,15 @@ bool SensorCosines::believable(const RelationGraph& graph) const {
 
 void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
   if (sensor.known()) {
+    // Reliable edges cross the wedge where an object touches the ground: a single one must not decide.
+    if (!sensor.hidden().empty()) join_stretches(graph, forest, kSure[0], kLeastPatch, sensor.hidden());
     sensor.join(forest, kClearSensorCosine);
     forest.flatten();
   } else {
     join_stretches(graph, forest, kSure[0]);
   }
   for (const int sure : kSure) {
-    join_sure(graph, forest, sure);
+    join_sure(graph, forest, sure, sensor.hidden());
     progress.advance(graph.size());
   }
   if (sensor.known()) sensor.join(forest, kLeastSensorCosine);
@@ -140,11 +150,45 @@ std::size_t sets_of(const SignForest& forest) {
   return count;
 }
 
+namespace {
+
+/// Least number of samples of a coherent hidden group that is the underside of an object.
+constexpr std::uint32_t kFewestOfUnderside = 400;
+
+/// Turns small hidden groups up, unless they border on a large one: they are ground among plants.
+void turn_small_groups(const RelationGraph& graph, const std::vector<std::uint8_t>& hidden, Parts& parts) {
+  SignForest groups(graph.size());
+  const auto coherent = [&](std::size_t s, std::size_t k) {
+    const std::uint32_t q = graph.neighbour(s, k);
+    const int r = graph.relation_to(s, k);
+    return hidden[s] && hidden[q] && std::abs(r) >= kSure[3] && (r < 0) == (parts.sign[s] != parts.sign[q]);
+  };
+  visit_edges(graph, coherent,
+              [&](const RelationEdge& e) { groups.join(e.sample, graph.neighbour(e.sample, e.rank), false); });
+  groups.flatten();
+  std::vector<std::uint32_t> members(graph.size());
+  for (std::uint32_t s = 0; s < graph.size(); ++s) ++members[groups.flat_root(s).index];
+  const auto is_large = [&](std::uint32_t s) { return members[groups.flat_root(s).index] >= kFewestOfUnderside; };
+  std::vector<std::uint8_t> keeps(graph.size());  // by group
+  for (std::uint32_t s = 0; s < graph.size(); ++s)
+    for (std::size_t k = 0; k < graph.degree() && hidden[s]; ++k)
+      if (is_large(s) || is_large(graph.neighbour(s, k))) keeps[groups.flat_root(s).index] = 1;
+  for (std::uint32_t s = 0; s < graph.size(); ++s) {
+    if (!hidden[s] || parts.part[s] != *parts.seen || keeps[groups.flat_root(s).index]) continue;
+    const float z = graph.normals()[s].z;
+    if (std::abs(z) > kClearSensorCosine && graph.firm(s))
+      parts.sign[s] = static_cast<std::int8_t>(z < 0 ? -parts.seen_sign : parts.seen_sign);
+  }
+}
+
+}  // namespace
+
 Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
   SignForest forest(graph.size() + 1);
   propagate(graph, sensor, forest, progress);
   Parts parts = collect_parts(graph, sensor, forest);
   polish(graph, sensor, parts);
+  if (parts.seen && !sensor.hidden().empty()) turn_small_groups(graph, sensor.hidden(), parts);
   if (sensor.known()) return parts;
   const double agreement = graph.agreement(parts.sign);
   if (agreement >= kHardlyContradicted) return parts;

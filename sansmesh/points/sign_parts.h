@@ -36,11 +36,16 @@ class SensorCosines {
   float cosine(std::size_t s) const { return cosine_[s]; }
   /// Joins the samples with larger magnitudes of the cosine to the extra node, the last of the forest.
   void join(SignForest& forest, float least) const;
+  /// Forgets the directions of samples that the sensor has not seen. Their patches join by votes.
+  void forget(std::vector<std::uint8_t> hidden);
+  /// Whether a sample is hidden; empty if none is.
+  const std::vector<std::uint8_t>& hidden() const { return hidden_; }
   /// Whether each smooth patch has been seen from one side. Large clouds are tested on some stretches in tree order.
   bool believable(const RelationGraph& graph) const;
 
  private:
   std::vector<float> cosine_;
+  std::vector<std::uint8_t> hidden_;
 };
 
 /// Connected parts of the graph, and the sign of each sample that makes it agree with its part.

@@ -317,6 +317,74 @@ TEST(Orientation, ATerrainLooksUp) {
   EXPECT_EQ(fraction_correct(points, truth), 1);
 }
 
+/// A floor with 25 samples in a square of edge 1. `keep`: whether it exists there.
+template <class Keep>
+PointSet wavy_floor(float height, unsigned seed, const Keep& keep) {
+  PointSet points;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> u(-15, 15);
+  for (int i = 0; i < 22500; ++i) {
+    const Vec3f p{u(random), u(random), 0};
+    if (!keep(p)) continue;
+    points.positions.push_back(p + Vec3f{0, 0, height * std::sin(0.4f * p.x) * std::cos(0.3f * p.y)});
+    points.normals.push_back(normalized(Vec3f{-0.4f * height * std::cos(0.4f * p.x) * std::cos(0.3f * p.y),
+                                              0.3f * height * std::sin(0.4f * p.x) * std::sin(0.3f * p.y), 1}));
+  }
+  return points;
+}
+PointSet wavy_floor(float height, unsigned seed) {
+  return wavy_floor(height, seed, [](const Vec3f&) { return true; });
+}
+
+/// Expects the floor to face up and the objects outward.
+void expect_scene(const PointSet& samples, double right) {
+  for (const float noise : {0.0f, 0.04f}) {
+    PointSet points = with_noise(samples, noise, 21);
+    Progress progress;
+    estimate_normals(points, {}, progress);
+    EXPECT_EQ(orient_normals(points, {}, progress), OrientBy::up);
+    EXPECT_GT(fraction_correct(points, samples.normals), right) << noise;
+  }
+}
+
+TEST(Orientation, ObjectsAboveAFloorFaceOutward) {
+  PointSet points = wavy_floor(0.7f, 22);
+  append(points, sample_sphere(3800, 3.5f, 0, 23, {-5, -3, 6.5f}));
+  append(points, sample_box(4000, {3, 2.5f, 2}, 24, {7, 5, 6}));
+  expect_scene(points, 0.999);
+}
+
+TEST(Orientation, ObjectsThatTouchAFloorFaceOutward) {
+  PointSet points = wavy_floor(0, 25);
+  append(points, sample_sphere(3800, 3.5f, 0, 26, {-5, -3, 3.5f}));
+  expect_scene(points, 0.99);
+  // Sunk: floor and ball are one sheet with an overhang.
+  const Vec3f center{-5, -3, 2.5f};
+  points = wavy_floor(0, 27, [&](const Vec3f& p) { return norm(p - center) > 3.5f; });
+  const PointSet ball = sample_sphere(3800, 3.5f, 0, 28, center);
+  for (std::size_t i = 0; i < ball.size(); ++i)
+    if (ball.positions[i].z > 0)
+      points.positions.push_back(ball.positions[i]), points.normals.push_back(ball.normals[i]);
+  expect_scene(points, 0.99);
+}
+
+TEST(Orientation, TheUndersideOfATableFacesDown) {
+  const auto in_leg = [](const Vec3f& p) { return std::hypot(p.x - 2, p.y) < 0.7f; };
+  PointSet points = wavy_floor(0, 29, [&](const Vec3f& p) { return !in_leg(p); });
+  PointSet table = sample_box(5000, {5, 4, 0.5f}, 30, {2, 0, 5});
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!in_leg(table.positions[i]) || table.positions[i].z > 5)
+      points.positions.push_back(table.positions[i]), points.normals.push_back(table.normals[i]);
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> u(0, 1);
+  for (int i = 0; i < 500; ++i) {
+    const float angle = 6.2831853f * u(random);
+    const Vec3f n{std::cos(angle), std::sin(angle), 0};
+    points.positions.push_back(Vec3f{2, 0, 4.5f * u(random)} + n * 0.7f), points.normals.push_back(n);
+  }
+  expect_scene(points, 0.99);
+}
+
 TEST(Orientation, NormalsThatAreNotFiniteHaveNoEffect) {
   const PointSet ring = with_noise(sample_torus(4000, 1, 0.1f, 5), 0.03f, 6);
   PointSet points = ring;
