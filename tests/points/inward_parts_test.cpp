@@ -37,7 +37,7 @@ void expect_prepared(const PointSet& given, const PointSet& expected) {
   Progress progress;
   const PreparedCloud cloud = prepare_cloud(given, {}, progress);
   EXPECT_EQ(cloud.points.normals, expected.normals);
-  EXPECT_EQ(cloud.warnings.size(), given.normals == expected.normals ? 0u : 1u);
+  EXPECT_EQ(cloud.notes.size(), given.normals == expected.normals ? 0u : 1u);
   EXPECT_FALSE(cloud.oriented_by);
 }
 
