@@ -134,14 +134,14 @@ TEST_F(FunctionCommands, ErrorsAreOneLineAndLeaveNothing) {
   write("newer.smf", newer);
   write("empty.smf", "");
   write("text.smf", "solid part\n");
-  write("plane.xyz", [] {
+  write("line.xyz", [] {
     std::string text;
-    for (int i = 0; i < 400; ++i) text += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 5\n";
+    for (int i = 0; i < 400; ++i) text += std::to_string(i) + " 3 5\n";
     return text;
   }());
   expect_failures({
       {{"fit", "absent.ply", "-o", "x.smf"}, 1, {"absent.ply: no such file"}},
-      {{"fit", "plane.xyz", "-o", "x.smf"}, 1, {"plane.xyz: "}},
+      {{"fit", "line.xyz", "-o", "x.smf"}, 1, {"line.xyz: "}},
       {{"fit", "scan.ply", "-o", "x.ply"}, 1, {"x.ply: functions are written to files with the ending .smf"}},
       {{"fit", "scan.ply", "-o", "absent/x.smf"}, 1, {"absent/x.smf: "}},
       {{"fit", "scan.ply"}, 2, {"--output"}},

@@ -379,15 +379,15 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
 }
 
 TEST_F(SurfaceCommands, BadInputIsOneLineAndLeavesNothing) {
-  std::string plane;
-  for (int i = 0; i < 400; ++i) plane += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 7\n";
+  std::string line;
+  for (int i = 0; i < 400; ++i) line += std::to_string(i) + " 3 7\n";
   write("empty.ply", "");
   write("nan.xyz", "nan nan nan\nnan nan nan\nnan nan nan\nnan nan nan\n");
   write("one.xyz", "1 2 3\n");
-  write("plane.xyz", plane);
+  write("line.xyz", line);
   write_sphere("ball.ply", 300);
   const auto before = listing();
-  for (const char* file : {"absent.ply", "empty.ply", "nan.xyz", "one.xyz", "plane.xyz"}) {
+  for (const char* file : {"absent.ply", "empty.ply", "nan.xyz", "one.xyz", "line.xyz"}) {
     std::vector<std::vector<std::string>> commands{
         {"project", file, "-o", "out.ply"},
         {"project", file, "-o", "out.ply", "--method", "apss", "--point-count", "100"},
@@ -396,8 +396,8 @@ TEST_F(SurfaceCommands, BadInputIsOneLineAndLeavesNothing) {
         {"render", file, "-o", "out.png", "--surface", "apss"},
         {"render", file, "-o", "out.png", "--surface", "curvature", "--frames", "2", "--quick"},
         {"reconstruct", file, "-o", "out.ply", "--surface", "apss"}};
-    // Consolidation needs no surface: it accepts planes and single points.
-    if (file != std::string("plane.xyz") && file != std::string("one.xyz"))
+    // Consolidation needs no surface: it accepts lines and single points.
+    if (file != std::string("line.xyz") && file != std::string("one.xyz"))
       commands.push_back({"project", file, "-o", "out.ply", "--method", "lop"});
     for (const auto& command : commands) {
       const Outcome outcome = run(command);
