@@ -311,7 +311,7 @@ std::size_t count_flagged(const FittedFunction& function, const AllFlagged& flag
   return count;
 }
 
-/// Reverts the edits after which their region is as doubtful as before. False if there are none.
+/// Reverts the edits that leave doubtful supports in their region. False if there are none.
 bool revert_useless(const FittedFunction& before, const AllFlagged& flagged_before, const FittedFunction& after,
                     const DiagnoseOptions& options, double error, Diagnosis& diagnosis) {
   const AllFlagged flagged = flag_supports(after, options, error);

@@ -11,16 +11,16 @@ namespace {
 
 /// Least gap of the blocks over a requested mesh error: a coarse mesh is made from a finer one.
 constexpr double kCoarseBlocks = 0.5;
-/// Mean numbers of samples of a fit, and number of fits, from which a fit may extend over several parts of a surface:
-/// over those of a plane, or over a gap.
-constexpr std::size_t kSamplesOfLargeFit = 300, kFewFits = 64;
+/// Largest number of samples that are starting points.
+constexpr std::size_t kMostSamples = 5000000;
 
-/// The feet of the fits, and the samples of large fits: the foot of such a fit may be between its samples.
+/// The feet of the fits, and samples: a large fit may extend over several parts of a plane, or over a gap, and its foot
+/// may be between its samples.
 std::vector<Vec3> starting_points(const FittedFunction& function) {
   std::vector<Vec3> seeds = function.field.seeds();
   const PointSet& samples = *function.samples;
-  if (seeds.size() > kFewFits && samples.size() < kSamplesOfLargeFit * seeds.size()) return seeds;
-  for (const Vec3f& p : samples.positions) seeds.push_back(samples.origin + Vec3(p));
+  for (std::size_t i = 0; i < samples.size(); i += 1 + samples.size() / kMostSamples)
+    seeds.push_back(samples.origin + Vec3(samples.positions[i]));
   return seeds;
 }
 

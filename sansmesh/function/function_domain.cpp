@@ -14,7 +14,7 @@ constexpr double kOnClosed = -0.42;
 /// Largest edge of the blocks along a border, in spacings of the samples there, and largest distance of the border from
 /// these, in reaches.
 constexpr float kBorderBlock = 3.5f, kBorderWidth = 0.6f;
-/// Least depth of the blocks of open surfaces.
+/// Least depth of the deepest blocks of open surfaces.
 constexpr int kLeastOpenDepth = 4;
 /// Of this many samples at a border one determines whether a block is too large.
 constexpr std::size_t kEnough = 256;

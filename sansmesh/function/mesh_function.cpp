@@ -73,7 +73,6 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   const LocalFrame& frame = function.frame;
   detail::FunctionCut cut = detail::prepare_cut(function, options, default_mesh_error(f));
   r.mesh_error = frame.to_input(cut.mesh_error);
-  r.block_depth = cut.blocks.depth();
   std::optional<Box3> box;
   if (options.box) {
     box = frame.from_input(*options.box);
@@ -94,6 +93,7 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
     domain->refine(cut.blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
     cut.meshing.domain = &*domain;
   }
+  r.block_depth = cut.blocks.depth();
   r.open = f.open_area > 0;
   TriangleMesh mesh;
   if (walks) {

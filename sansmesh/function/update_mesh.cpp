@@ -17,6 +17,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/edit/replace_region.h"
 #include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/meshing/narrow_handles.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -227,7 +228,9 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
     return false;
   }
   MeshReport report;
-  detail::choose_components(moved, options.components, *function.samples, function.field.report().spacing, report);
+  const PartitionReport& fit = function.field.report();
+  detail::choose_components(moved, options.components, *function.samples, fit.spacing, report);
+  detail::close_handles(moved, *function.samples, fit.spacing, fit.noise, options.close_handles);
   move_to_input(moved, function.frame);
   mesh = std::move(moved);
   return true;

@@ -127,20 +127,23 @@ bool keeps_samples(const FittedFunction& function, const ReconstructOptions& opt
 void find_remedy(const FittedFunction& function, const ReconstructOptions& options, Progress& progress,
                  MeshReport& report) {
   Note* const note = lost_samples(report);
-  if (!note || options.fit.is_paper() || function.samples->size() > kMostTried) return;
+  if (!note || !note->remedy.empty() || options.fit.is_paper() || function.samples->size() > kMostTried) return;
   const auto helps = [&](const Remedy& remedy, const ReconstructOptions& other) {
     if (!keeps_samples(function, other, progress)) return false;
     note->remedy = remedy.text;
     return true;
   };
-  ReconstructOptions other = options;
+  ReconstructOptions plain = options;
+  plain.mesh.carry_colors = plain.mesh.measure_quality = false;
+  plain.mesh.confidence = false;
+  ReconstructOptions other = plain;
   if (!options.cloud.remove_outliers) {
     other.cloud.remove_outliers = true;
     if (helps(remedy("lost_samples", "remove_outliers"), other)) return;
-    other = options;
+    other = plain;
   }
   other.fit.open = true;
-  if (note->remedy.empty() && !options.fit.open.value_or(false)) helps(remedy("lost_samples", "open"), other);
+  if (!options.fit.open.value_or(false)) helps(remedy("lost_samples", "open"), other);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/narrow_handles.h"
+#include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/remedies.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
@@ -298,7 +299,11 @@ void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, dou
   choose_components(mesh, options.components, points, spacing, r, &left_out);
   report_handles(close_handles(mesh, points, spacing, noise, options.close_handles), frame, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
-  if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
+  if (mesh.triangles.empty())
+    throw DataError(
+        classify_shape(points) == CloudShape::plane
+            ? "all points lie in one plane: it bounds no solid, and only the open surface `partition` represents it"
+            : "no surface was found near the samples");
   // A deliberately coarse mesh is far from its samples everywhere.
   if (!options.box && !options.triangles && !options.block_depth && !options.trim)
     report_lost(mesh, left_out, points, spacing, std::max(noise, mesh_error), frame, r);

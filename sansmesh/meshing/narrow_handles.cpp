@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/mesh/repair/cut_handles.h"
 #include "sansmesh/mesh/repair/handle_loops.h"
 #include "sansmesh/meshing/handle_evidence.h"
@@ -90,15 +92,24 @@ std::optional<HandleCut> allowed_cut(const TriangleMesh& mesh, const HandleClass
   return std::nullopt;
 }
 
+/// Box of the caps of a cut.
+Box3 box_of(const TriangleMesh& mesh, const HandleCut& cut) {
+  Box3 box;
+  for (const HandleCap& cap : cut.caps)
+    for (std::uint32_t k = 0; k < cap.rim.size() + cap.fresh.size(); ++k) box.extend(cap.position(mesh, k));
+  return box;
+}
+
 /// One round over all short loops, shortest first. Loops next to a previous one wait for the next round.
 std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses& classes,
                                    const HandleEvidence& evidence, bool close, NarrowHandles& result) {
   const std::vector<HandleLoop> loops = classes.short_loops([&](std::uint32_t component, std::uint32_t v) {
-    const double narrow = std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
     if (classes.genus(component) > kContradiction) return 0.0;
+    const double narrow = std::numbers::pi * evidence.narrow_width(Vec3(mesh.vertices[v]));
     return !close ? narrow : classes.open(component) ? kUnresolved * narrow : kWide * narrow;
   });
   std::vector<HandleCut> cuts;
+  std::vector<Box3> regions;  // of the caps, which are not compared with those of other cuts
   std::unordered_map<std::uint32_t, IndependentLabels> independent, named;
   std::map<std::pair<std::uint32_t, std::uint64_t>, int> tries;
   std::unordered_map<std::uint32_t, std::size_t> judged;
@@ -116,8 +127,12 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
     ++tried;
     std::optional<HandleCut> cut;
     if (close && judged[loop.component]++ < kMostLoops) cut = allowed_cut(mesh, classes, loop, evidence, narrow);
-    if (cut && std::none_of(cut->band.begin(), cut->band.end(),
-                            [&](std::uint32_t t) { return touches(mesh.triangles[t], kCut); })) {
+    const Box3 region = cut ? box_of(mesh, *cut) : Box3{};
+    if (cut &&
+        std::none_of(cut->band.begin(), cut->band.end(),
+                     [&](std::uint32_t t) { return touches(mesh.triangles[t], kCut); }) &&
+        !any_touches(regions, region)) {
+      regions.push_back(region);
       labels.add(loop.label);
       for (const std::uint32_t t : cut->band)
         for (const std::uint32_t v : mesh.triangles[t]) taken[v] |= kCut;

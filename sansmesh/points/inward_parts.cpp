@@ -125,13 +125,12 @@ void mark_inward(const RelationGraph& graph, const Parts& parts, std::vector<She
 
 }  // namespace
 
-std::size_t flip_inward_parts(PointSet& points, double noise, bool mostly) {
+std::size_t flip_inward_parts(PointSet& points, double noise, bool mostly, Progress& progress) {
   const KdTree tree(points.positions);
   const RelationGraph graph(tree, points.normals, kInwardNeighbours, noise);
   SignForest forest(graph.size());
-  Progress silent;
   const SensorCosines unknown;
-  propagate(graph, unknown, forest, silent);
+  propagate(graph, unknown, forest, progress);
   Parts parts = collect_parts(graph, unknown, forest);
   polish(graph, unknown, parts);
   judge_outwardness(graph, parts);

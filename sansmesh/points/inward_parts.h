@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
 
@@ -12,6 +13,6 @@ namespace sansmesh::inline v1 {
 /// faces inward. `mostly`: most of the samples are known to face inward; then weaker evidence suffices, and parts that
 /// are not closed follow if all closed ones are flipped. Otherwise the winding number must confirm that a part is
 /// closed. `noise`: length.
-std::size_t flip_inward_parts(PointSet& points, double noise, bool mostly);
+std::size_t flip_inward_parts(PointSet& points, double noise, bool mostly, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -171,7 +171,7 @@ OrientationReport judged_orientation(const PreparedCloud& cloud) {
 }
 
 /// Flips consistent normals that point inward: all of faces that bound solids, others by closed parts.
-void face_outward(PreparedCloud& cloud, const OrientationReport& report) {
+void face_outward(PreparedCloud& cloud, const OrientationReport& report, Progress& progress) {
   PointSet& points = cloud.points;
   const bool mostly = report.check == OrientationCheck::inward;
   if (!mostly && report.inward < kFewInward) return;
@@ -179,7 +179,7 @@ void face_outward(PreparedCloud& cloud, const OrientationReport& report) {
   if (cloud.face_sides != FaceSides::unknown)
     for (Vec3f& n : points.normals) n = -n;
   else
-    flipped = flip_inward_parts(points, *cloud.noise, mostly);
+    flipped = flip_inward_parts(points, *cloud.noise, mostly, progress);
   if (flipped == points.size())
     cloud.notes.push_back({.code = "normals_flipped", .text = "the normals point inward: flipped"});
   else if (flipped > 0)
@@ -202,7 +202,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   const OrientationCheck check = report.check;
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
-    if (!look_at_sensors(cloud, progress)) face_outward(cloud, report);
+    if (!look_at_sensors(cloud, progress)) face_outward(cloud, report, progress);
     return;
   }
   const KdTree tree(points.positions);

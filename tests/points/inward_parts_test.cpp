@@ -76,7 +76,8 @@ TEST(InwardParts, DoNotDependOnTheNumberOfThreads) {
   const PointSet given = both(both(outer(), facing_in(inner())), facing_in(beside()));
   test::expect_equal_for_any_threads([&] {
     PointSet points = given;
-    EXPECT_EQ(flip_inward_parts(points, 0, false), beside().size());
+    Progress progress;
+    EXPECT_EQ(flip_inward_parts(points, 0, false, progress), beside().size());
     return points.normals;
   });
 }

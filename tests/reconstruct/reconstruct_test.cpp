@@ -401,6 +401,20 @@ TEST(Reconstruct, PlanesAreOpenSheets) {
   expect_sheets(lattice, 1, 2);
 }
 
+TEST(Reconstruct, PlanesBesideFineShapesStay) {
+  // Few fits for four coplanar tiles, and many for a ball.
+  PointSet cloud = test::joined(test::cube(100), test::sphere(20000), 10, {5, 5, 20});
+  cloud.positions.erase(cloud.positions.begin(), cloud.positions.begin() + 100);
+  cloud.normals.clear();
+  for (const float x : {-40.0f, 0.0f})
+    for (const float y : {-40.0f, 0.0f})
+      for (int i = 0; i < 400; ++i)
+        cloud.positions.push_back({x + static_cast<float>(i % 20), y + static_cast<float>(i / 20), 0});
+  ReconstructReport report;
+  EXPECT_EQ(measure_topology(run(cloud, {}, &report)).components, 5u);
+  EXPECT_EQ(report.lost, 0);
+}
+
 TEST(MeshFunction, WritesItsReportAnew) {
   PointSet cloud = test::sphere(3000);
   const PointSet sparse = test::sphere(40);
