@@ -109,7 +109,7 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
     return !close ? narrow : classes.open(component) ? kUnresolved * narrow : kWide * narrow;
   });
   std::vector<HandleCut> cuts;
-  std::vector<Box3> regions;  // of the caps, which are not compared with those of other cuts
+  std::vector<Box3> regions;  // boxes of the caps, so that those of two cuts do not cross
   std::unordered_map<std::uint32_t, IndependentLabels> independent, named;
   std::map<std::pair<std::uint32_t, std::uint64_t>, int> tries;
   std::unordered_map<std::uint32_t, std::size_t> judged;
