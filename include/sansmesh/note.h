@@ -21,7 +21,7 @@ struct Note {
   Severity severity = Severity::warning;  ///< warning if the result may not be as intended
   std::string of = {};                    ///< name of the input, if the job has several
 
-  bool operator==(const Note&) const = default;  ///< same code, text and remedy
+  bool operator==(const Note&) const = default;  ///< all members are equal
 };
 
 /// Text with the remedy in parentheses.
