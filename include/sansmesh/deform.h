@@ -205,7 +205,7 @@ struct DeformResult {
   DeformReport report;  ///< counts and measures
   /// "folded": space folds somewhere; "bends_stay": too many triangles to refine all; "undefined": points outside the
   /// domain of the map do not move; "turned": vertices in folds; "uncut", "cut_open": effects of cuts; "open":
-  /// functions that bound no solid; "picture": notes on pictures; those of meshes.
+  /// functions that bound no solid; "picture": notes on pictures; further ones on meshes.
   std::vector<Note> notes;
 };
 

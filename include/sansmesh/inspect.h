@@ -79,7 +79,7 @@ struct SANSMESH_API AlignResult {
   SurfaceAlignment report;  ///< quality of the fit; its motion is applied after `before`
   /// "not_unique": other poses fit equally well; "free_motions": the surfaces can slide on each other;
   /// "little_overlap"; "mirrored": the mirror image fits instead; "other_shape": the surfaces differ by more than
-  /// noise; those of a mesh that was made.
+  /// noise; further ones on a mesh that was made.
   std::vector<Note> notes;
 
   static const ReportSchema& schema();  ///< report rows
@@ -184,7 +184,7 @@ struct MeasureResult {
   /// "open": no volume; "encloses_nothing": its sides cancel out; "faces_inward": the volume is negative; "cavities";
   /// "inside_out": parts that face inward but bound no cavity; "nested", "crossing_components", "crosses_itself":
   /// volume that counts more than once; "nonmanifold": edges with more than two triangles; "bad_corners": triangles
-  /// were dropped; those of the mesh that was made.
+  /// were dropped; further ones on the mesh that was made.
   std::vector<Note> notes;
 };
 

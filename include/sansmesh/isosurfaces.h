@@ -51,7 +51,7 @@ struct SANSMESH_API VolumeIsosurfaceReport {
 struct VolumeIsosurfaceResult {
   TriangleMesh mesh;              ///< mesh in the input's coordinates
   VolumeIsosurfaceReport report;  ///< how it was made
-  /// Those of VolumeModel::field and of the mesh; "not_carried": an array does not fit into floats.
+  /// Notes of VolumeModel::field and on the mesh; "not_carried": an array does not fit into floats.
   std::vector<Note> notes;
 };
 

@@ -103,7 +103,7 @@ struct SANSMESH_API RenderReport {
 /// Result of render().
 struct RenderResult {
   RenderReport report;  ///< counts and measures
-  /// Those of a surface without a mesh; "outliers": samples that were dropped.
+  /// Notes on a surface without a mesh; "outliers": samples that were dropped.
   std::vector<Note> notes;
 };
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "sansmesh/point_set.h"
 #include "sansmesh/triangle_mesh.h"

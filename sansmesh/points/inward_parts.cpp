@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::Parts, detail::RelationGraph, detail::SensorCosines, detail::WindingSides;
+using detail::Parts, detail::RelationGraph, detail::WindingSides;
 
 constexpr int kInwardNeighbours = 10;
 /// Least number of samples of a part, and largest number of parts.
@@ -36,12 +36,6 @@ struct Shell {
   std::vector<std::size_t> around;  ///< shells that contain it
 };
 
-bool contains(const Box3f& outer, const Box3f& inner) {
-  for (std::size_t k = 0; k < 3; ++k)
-    if (!(outer.lower[k] <= inner.lower[k] && inner.upper[k] <= outer.upper[k])) return false;
-  return true;
-}
-
 /// Winding number of a shell, with its normals outward, at a point off it.
 double winding_number(const RelationGraph& graph, const Parts& parts, const Shell& shell, const Vec3& x) {
   const std::size_t step = 1 + shell.members.size() / kNestingSources;
@@ -60,7 +54,7 @@ double winding_number(const RelationGraph& graph, const Parts& parts, const Shel
 }
 
 bool is_inside(const RelationGraph& graph, const Parts& parts, const Shell& inner, const Shell& outer) {
-  if (!contains(outer.box, inner.box)) return false;
+  if (!outer.box.contains(inner.box.lower) || !outer.box.contains(inner.box.upper)) return false;
   const std::size_t step = 1 + inner.members.size() / kNestingTests;
   std::vector<double> winding;
   for (std::size_t i = step / 2; i < inner.members.size(); i += step)
@@ -128,11 +122,7 @@ void mark_inward(const RelationGraph& graph, const Parts& parts, std::vector<She
 std::size_t flip_inward_parts(PointSet& points, double noise, bool mostly, Progress& progress) {
   const KdTree tree(points.positions);
   const RelationGraph graph(tree, points.normals, kInwardNeighbours, noise);
-  SignForest forest(graph.size());
-  const SensorCosines unknown;
-  propagate(graph, unknown, forest, progress);
-  Parts parts = collect_parts(graph, unknown, forest);
-  polish(graph, unknown, parts);
+  Parts parts = propagated_parts(graph, {}, progress);
   judge_outwardness(graph, parts);
   std::vector<Shell> shells = find_shells(graph, parts, !mostly);
   mark_inward(graph, parts, shells);

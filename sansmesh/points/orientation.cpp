@@ -50,11 +50,7 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
   Progress silent;
   const KdTree tree(positions);
   const RelationGraph graph(tree, normals, 10, noise);
-  SignForest forest(graph.size());
-  const SensorCosines unknown;
-  propagate(graph, unknown, forest, silent);
-  Parts parts = collect_parts(graph, unknown, forest);
-  polish(graph, unknown, parts);
+  Parts parts = propagated_parts(graph, {}, silent);
   judge_outwardness(graph, parts);
 
   // In each part the majority of the given signs counts as given; the others had to be flipped.

@@ -138,13 +138,14 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
 }
 
 /// Replaces given normals that are unrelated to those of neighbouring samples by estimates that are related.
-bool replace_unrelated_normals(PreparedCloud& cloud, const KdTree& tree, Progress& progress) {
+bool replace_unrelated_normals(PreparedCloud& cloud, const OrientationReport& given_ones, const KdTree& tree,
+                               Progress& progress) {
   PointSet& points = cloud.points;
-  if (measure_orientation(points, cloud.noise).related >= kLeastRelated) return false;
+  if (given_ones.related >= kLeastRelated) return false;
   const std::vector<Vec3f> given = points.normals;
   estimate_missing_normals(cloud, tree, progress);
   const char* unrelated = "the normals are unrelated to those of neighbouring samples";
-  if (measure_orientation(points, cloud.noise).related < kLeastRelated) {
+  if (measure_orientation(points, cloud.noise, false).related < kLeastRelated) {
     points.normals = given, cloud.estimated_normals = false;
     cloud.notes.push_back({.code = "unrelated_normals", .text = unrelated});
     return false;
@@ -208,7 +209,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
   const KdTree tree(points.positions);
   if (check == OrientationCheck::missing)
     estimate_missing_normals(cloud, tree, progress);
-  else if (check == OrientationCheck::unoriented && !replace_unrelated_normals(cloud, tree, progress) &&
+  else if (check == OrientationCheck::unoriented && !replace_unrelated_normals(cloud, report, tree, progress) &&
            use.orient_by == OrientBy::automatic)
     cloud.notes.push_back(
         {.code = "normals_oriented", .text = "the normals are not oriented consistently: oriented anew"});

@@ -183,11 +183,16 @@ void turn_small_groups(const RelationGraph& graph, const std::vector<std::uint8_
 
 }  // namespace
 
-Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
+Parts propagated_parts(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
   SignForest forest(graph.size() + 1);
   propagate(graph, sensor, forest, progress);
   Parts parts = collect_parts(graph, sensor, forest);
   polish(graph, sensor, parts);
+  return parts;
+}
+
+Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
+  Parts parts = propagated_parts(graph, sensor, progress);
   if (parts.seen && !sensor.hidden().empty()) turn_small_groups(graph, sensor.hidden(), parts);
   if (sensor.known()) return parts;
   const double agreement = graph.agreement(parts.sign);

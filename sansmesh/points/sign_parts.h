@@ -73,6 +73,9 @@ Parts collect_parts(const RelationGraph& graph, const SensorCosines& sensor, Sig
 /// neighbours.
 void polish(const RelationGraph& graph, const SensorCosines& sensor, Parts& parts);
 
+/// These three steps: the parts of a graph, with polished signs.
+Parts propagated_parts(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress);
+
 /// Number of sets of a flat forest.
 std::size_t sets_of(const SignForest& forest);
 

@@ -12,7 +12,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kTwinGrain = 4096, kSourceChunk = 512;
+constexpr std::size_t kTwinGrain = 4096;
+/// Sources of a search: a least number, and a share of all, because each search begins with a pass over the vertices.
+constexpr std::size_t kSourceChunk = 512, kSourceShare = 64;
 
 }  // namespace
 
@@ -263,14 +265,15 @@ std::vector<HandleLoop> HandleClasses::short_loops(
     if (label_[h] != 0) sources.push_back(std::min(from(h), to(h)));
   std::sort(sources.begin(), sources.end());
   sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
-  found = parallel_collect<HandleLoop>(
-      sources.size(), kSourceChunk, [&](std::size_t first, std::size_t last, std::vector<HandleLoop>& part) {
-        LoopSearch search(mesh_.vertices.size());
-        for (std::size_t i = first; i < last; ++i) {
-          HandleLoop loop = shortest_through(sources[i], longest(component_at(sources[i]), sources[i]), search);
-          if (!loop.vertices.empty()) part.push_back(std::move(loop));
-        }
-      });
+  found = parallel_collect<HandleLoop>(sources.size(), std::max(kSourceChunk, sources.size() / kSourceShare),
+                                       [&](std::size_t first, std::size_t last, std::vector<HandleLoop>& part) {
+                                         LoopSearch search(mesh_.vertices.size());
+                                         for (std::size_t i = first; i < last; ++i) {
+                                           HandleLoop loop = shortest_through(
+                                               sources[i], longest(component_at(sources[i]), sources[i]), search);
+                                           if (!loop.vertices.empty()) part.push_back(std::move(loop));
+                                         }
+                                       });
   std::stable_sort(found.begin(), found.end(),
                    [](const HandleLoop& a, const HandleLoop& b) { return a.length < b.length; });
   return found;
