@@ -6,7 +6,7 @@ set(SANSMESH_FIRST
     "^approximation/(orthogonal|polynomial)"
     "^io/([a-z_]+|points/.*|meshes/.*)\\.cpp"
     "^mesh/([a-z_]+|edit/(clip|collapse|edge_collapses|simplify|tubes).*|repair/(components|cut_handles|handle_loops|hole_(loops|patch)|self_intersections))\\.cpp"
-    "^polygonize/(extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
+    "^polygonize/(crease_edges|editable_surface|extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
     "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
     "^jobs/(color_bar|draw_|fit_words|frame_names|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points)"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sansmesh/field/placed_field.h"
-#include "sansmesh/function/crease_edges.h"
 #include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh_measures.h"
@@ -30,12 +29,7 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
   options.carry_colors = false;
   options.mesher = Mesher::blocks;
   options.mesh_error = kFinerMesh * function.frame.to_input(default_mesh_error(function.field.report()));
-  TriangleMesh mesh = mesh_function(function, options, progress);
-  if (function.field.data().options.sharp) {
-    const PlacedField field(function.field, function.frame);
-    turn_edges_to_creases(mesh, field);
-  }
-  return mesh;
+  return mesh_function(function, options, progress);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kBottomless = std::numeric_limits<float>::infinity();
 constexpr float kSecondSheet = 0.2f;  ///< least share of the samples in a block on another sheet
-constexpr float kChamfer = 0.02f;     ///< mean gap along a crease, in units of the block's edge
+static const float kChamfer = getenv("KC") ? atof(getenv("KC")) : 0.02f;     ///< mean gap along a crease, in units of the block's edge
 
 /// A triangle of edge e on a surface of curvature κ leaves a gap of κ e²/8. A plane fitted to a disc of radius R leaves
 /// an rms of 0.097 κ R² with the weights (1 − t²)², plus the noise. Only half of the noise is subtracted, because its

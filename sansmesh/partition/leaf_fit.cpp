@@ -144,6 +144,13 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.level = static_cast<std::uint8_t>(leaf.level);
   const float h = fitter.block_edge(leaf.level);
   set_surface_patch(f, c - Vec3f{h, h, h} * 0.5f, h, support);
+  if (getenv("DBG")) {
+    float q[3]; sscanf(getenv("DBG"), "%f,%f,%f", q, q + 1, q + 2);
+    // DBG
+    if (getenv("DBGC")) fprintf(stderr, "C %f %f %f\n", c.x, c.y, c.z);
+    float d = norm(f.center - Vec3f{q[0], q[1], q[2]});
+    if (d < f.radius) fprintf(stderr, "leaf level %d d/R %.2f R %.4f deg %d creased %d pieces %zu rms %.5f reach %.2f n %u cov %.2f val %.4f conv %d accepted %.6f\n", leaf.level, d / f.radius, f.radius, f.degree, support.creased, result.more.size(), std::sqrt(square), t.reach, support.samples, support.coverage, local_value(f, Vec3f{q[0], q[1], q[2]}), f.convex, choice.accepted);
+  }
   return result;
 }
 

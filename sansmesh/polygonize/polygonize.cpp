@@ -9,6 +9,7 @@
 #include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/polygonize/crease_edges.h"
 #include "sansmesh/polygonize/extraction.h"
 #include "sansmesh/polygonize/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
@@ -149,13 +150,19 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   if (options.smoothing_rounds > 0)
     smooth_tangentially(mesh.triangles, corners, mesh.normals, options.smoothing_rounds, x);
   to_surface();
-  if (options.creases) snap_to_creases(placement, mesh.triangles, corners, mesh.normals, x);
+  if (options.creases) {
+    snap_to_creases(placement, mesh.triangles, corners, mesh.normals, x);
+    if (getenv("CR1")) refine_creases(placement, mesh.triangles, corners, x);
+    if (!getenv("NT1") && turn_edges_to_creases(placement, x, mesh.triangles) > 0) corners = VertexCorners(mesh.triangles, n);
+  }
   if (options.domain) {
     cut_off(*options.domain, on_cap, mesh, x);
     corners = VertexCorners(mesh.triangles, mesh.vertices.size());
   }
   if (simplified(options, mesh, x, progress)) {
     place_again(placement, options, mesh, x);
+    if (options.creases && !getenv("NT2")) turn_edges_to_creases(placement, x, mesh.triangles);
+    if (getenv("CR2")) refine_creases(placement, mesh.triangles, VertexCorners(mesh.triangles, mesh.vertices.size()), x);
   } else if (options.balance) {
     balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);
   }

@@ -29,6 +29,82 @@ Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Ve
 
 }  // namespace
 
+namespace {
+
+/// Largest number of rounds, distance of the probes from the vertex over its shortest edge, and largest step.
+constexpr int kCreaseRounds = 3;
+constexpr double kProbe = 0.2, kLongestStep = 0.3;
+
+}  // namespace
+
+void refine_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const VertexCorners& corners,
+                    std::vector<Vec3>& x) {
+  std::vector<std::uint32_t> list;
+  const auto normal_of = [&](std::uint32_t t) {
+    const auto& [a, b, c] = triangles[t];
+    return normalized(cross(x[b] - x[a], x[c] - x[a]));
+  };
+  std::vector<double> shortest(x.size());
+  std::vector<std::uint8_t> bent(x.size(), 0);
+  parallel_for(0, x.size(), 2048, [&](std::size_t v) {
+    double edge = std::numeric_limits<double>::infinity();
+    double least = 1;
+    Vec3 first;
+    for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i) {
+      const std::uint32_t t = corners.entries[i] / 3;
+      for (const std::uint32_t o : triangles[t])
+        if (o != v) edge = std::min(edge, norm(x[o] - x[v]));
+      const Vec3 n = normal_of(t);
+      for (std::uint32_t j = corners.first[v]; j < i; ++j)
+        least = std::min(least, dot(normal_of(corners.entries[j] / 3), n));
+    }
+    shortest[v] = edge;
+    bent[v] = least < static_cast<double>(kCreaseCosine);
+  });
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (bent[v] && shortest[v] > 0) list.push_back(static_cast<std::uint32_t>(v));
+  std::vector<std::size_t> first(list.size() + 1, 0);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    first[i + 1] = first[i] + (corners.first[list[i] + 1] - corners.first[list[i]]);
+  std::vector<Vec3> q(first.back()), g(first.back()), target(list.size());
+  std::vector<double> f(first.back()), at(list.size()), before(list.size());
+  for (int round = 0; round < kCreaseRounds; ++round) {
+    parallel_for(0, list.size(), 1024, [&](std::size_t i) {
+      const std::uint32_t v = list[i];
+      std::size_t k = first[i];
+      for (std::uint32_t j = corners.first[v]; j < corners.first[v + 1]; ++j, ++k) {
+        const auto& [a, b, c] = triangles[corners.entries[j] / 3];
+        const Vec3 d = normalized((x[a] + x[b] + x[c]) / 3 - x[v]);
+        q[k] = x[v] + d * (kProbe * shortest[v]);
+      }
+    });
+    field.evaluate(q, f, g);
+    parallel_ranges(0, list.size(), 1024, [&](std::size_t begin, std::size_t end) {
+      std::vector<Vec3> p, n;
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t v = list[i];
+        p.clear(), n.clear();
+        for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
+          const double slope2 = squared_norm(g[k]);
+          if (!(slope2 > 0.25)) continue;
+          const Vec3 move = g[k] * (-f[k] / slope2);
+          if (norm(move) > shortest[v]) continue;
+          p.push_back(q[k] + move);
+          n.push_back(normalized(g[k]));
+        }
+        target[i] = p.empty() ? x[v] : meet_planes(x[v], p, n);
+        if (norm(target[i] - x[v]) > kLongestStep * shortest[v]) target[i] = x[v];
+      }
+    });
+    std::vector<Vec3> old(list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) old[i] = x[list[i]];
+    field.evaluate(old, before);
+    field.evaluate(target, at);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (std::abs(at[i]) <= std::max(std::abs(before[i]), 0.02 * shortest[list[i]])) x[list[i]] = target[i];
+  }
+}
+
 void snap_to_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const VertexCorners& corners,
                      const std::vector<Vec3f>& normals, std::vector<Vec3>& x) {
   std::vector<std::uint8_t> candidate(x.size(), 0);

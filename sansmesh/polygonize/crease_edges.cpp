@@ -1,10 +1,11 @@
-#include "sansmesh/function/crease_edges.h"
+#include "sansmesh/polygonize/crease_edges.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/editable_surface.h"
 
 namespace sansmesh::inline v1 {
@@ -14,6 +15,8 @@ constexpr int kMostRounds = 6;
 /// Edges bridge a crease if the adjacent triangles differ by more than 15 degrees, and the midpoints of the edges are
 /// off the surface by more than this share of their lengths; the replacement must be closer by this factor.
 constexpr double kBridgeCosine = 0.966, kOffSurfaceShare = 0.02, kCloser = 0.5;
+/// Cosine of half that angle.
+constexpr float kBentCosine = 0.991f;
 /// Bounds of 4√3 area / Σ edges² of the new triangles, and of the cosine between their normals and the old ones.
 constexpr double kLeastQuality = 0.05, kLeastAgreement = 0.2;
 
@@ -27,12 +30,35 @@ struct Bridge {
   double gain;
 };
 
+/// The triangles around vertices where triangles differ by more than kBridgeCosine; their flips concern no others.
+std::vector<std::uint32_t> bent_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles) {
+  std::vector<Vec3f> normal(triangles.size());
+  parallel_for(0, normal.size(), 8192, [&](std::size_t t) {
+    const auto& [a, b, c] = triangles[t];
+    normal[t] = Vec3f(normalized(cross(x[b] - x[a], x[c] - x[a])));
+  });
+  // The first triangle's normal at each vertex, and the least cosine with the others: bent by half the angle at least.
+  std::vector<std::uint32_t> first(x.size(), EditableSurface::kNone);
+  std::vector<std::uint8_t> bent(x.size(), 0);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (const std::uint32_t v : triangles[t]) {
+      if (first[v] == EditableSurface::kNone) first[v] = t;
+      if (dot(normal[t], normal[first[v]]) < kBentCosine) bent[v] = 1;
+    }
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    if (bent[triangles[t][0]] | bent[triangles[t][1]] | bent[triangles[t][2]]) found.push_back(t);
+  return found;
+}
+
 }  // namespace
 
-std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) {
-  std::vector<Vec3> x(mesh.vertices.size());
-  for (std::size_t v = 0; v < x.size(); ++v) x[v] = mesh.origin + Vec3(mesh.vertices[v]);
-  EditableSurface surface(std::move(mesh.triangles), x.size());
+std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3> x, std::vector<Triangle>& triangles) {
+  const std::vector<std::uint32_t> near = bent_triangles(x, triangles);
+  if (near.empty()) return 0;
+  std::vector<Triangle> part(near.size());
+  for (std::size_t i = 0; i < near.size(); ++i) part[i] = triangles[near[i]];
+  EditableSurface surface(std::move(part), x.size());
   const auto normal_of = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return normalized(cross(x[b] - x[a], x[c] - x[a]));
   };
@@ -79,9 +105,7 @@ std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) 
     turned += now;
     if (now == 0) break;
   }
-  mesh.triangles.clear();
-  for (std::size_t t = 0; t < surface.triangles(); ++t)
-    if (surface.alive(t)) mesh.triangles.push_back(surface[t]);
+  for (std::size_t i = 0; i < near.size(); ++i) triangles[near[i]] = surface[i];
   return turned;
 }
 
