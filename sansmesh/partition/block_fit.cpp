@@ -148,17 +148,23 @@ int highest_degree(const PartitionOptions& options, const DegreeFits& fits, cons
   return d;
 }
 
-void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
-                  std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight) {
+std::size_t ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
+                         std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight) {
   position.clear(), normal.clear(), weight.clear();
   const float inverse = 1 / (f.scale * f.scale);
-  for (const std::uint32_t i : ids) {
-    const float t = squared_norm(tree.positions()[i] - f.center) * inverse;
-    if (t >= 1) continue;
-    position.push_back(tree.positions()[i]);
-    normal.push_back(tree.normals()[i]);
-    weight.push_back(smooth_weight(t));
-  }
+  const auto add = [&](bool inside) {
+    for (const std::uint32_t i : ids) {
+      const float t = squared_norm(tree.positions()[i] - f.center) * inverse;
+      if ((t < 1) != inside) continue;
+      position.push_back(tree.positions()[i]);
+      normal.push_back(tree.normals()[i]);
+      weight.push_back(inside ? smooth_weight(t) : 0);
+    }
+  };
+  add(true);
+  const std::size_t inner = position.size();
+  add(false);
+  return inner;
 }
 
 }  // namespace sansmesh::inline v1

@@ -83,8 +83,9 @@ double coverage(const LocalSamples& samples);
 /// centre.
 int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples);
 
-/// All samples of the ball around a fitted function's foot point, including those that face away.
-void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
-                  std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight);
+/// The given samples in the ball around a fitted function's centre, including those that face away, then those beyond
+/// it, with weight 0. Returns the number of the former.
+std::size_t ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
+                         std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight);
 
 }  // namespace sansmesh::inline v1

@@ -9,8 +9,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
+constexpr float kCreaseCosine = 0.985f;  // normals that differ by more than 10° may belong to different sheets
 constexpr std::uint8_t kTooFew = 255;
+constexpr std::size_t kBarelyTouched = 4;  ///< in the ball, below which a sheet takes samples around it
 /// A larger deviation of a normal from the plane of the two sheets' normals makes a corner.
 constexpr float kCornerSine = 0.5f;
 
@@ -76,26 +77,40 @@ struct CreaseSheets {
   std::vector<std::uint8_t> of;  ///< sheet of each sample; kTooFew: none
 };
 
-/// Assigns samples to the sheets with the nearest normals. Empty if there are none.
-CreaseSheets split_sheets(std::span<const Vec3f> normals) {
-  CreaseSheets found{seed_sheets(normals), std::vector<std::uint8_t>(normals.size())};
+/// Assigns the first `inner` samples to the sheets with the nearest normals, and others to sheets of few samples. Empty
+/// if there are none.
+CreaseSheets split_sheets(std::span<const Vec3f> normals, std::size_t inner) {
+  CreaseSheets found{seed_sheets(normals.first(inner)), std::vector<std::uint8_t>(normals.size(), kTooFew)};
   std::vector<Vec3f>& sheet = found.normal;
   if (sheet.empty()) return found;
   const std::size_t sheets = sheet.size();
+  const auto nearest = [&](const Vec3f& n) {
+    std::size_t best = 0;
+    for (std::size_t s = 1; s < sheets; ++s)
+      if (dot(n, sheet[s]) > dot(n, sheet[best])) best = s;
+    return best;
+  };
   for (int round = 0; round < 3; ++round) {
     std::vector<Vec3f> sum(sheets);
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      std::size_t best = 0;
-      for (std::size_t s = 1; s < sheets; ++s)
-        if (dot(normals[i], sheet[s]) > dot(normals[i], sheet[best])) best = s;
+    for (std::size_t i = 0; i < inner; ++i) {
+      const std::size_t best = nearest(normals[i]);
       found.of[i] = static_cast<std::uint8_t>(best);
       sum[best] += normals[i];
     }
     for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
   }
-  // A sheet that the ball barely touches cannot be fitted; its few samples must not distort the others either.
   std::vector<std::size_t> count(sheets, 0);
-  for (const std::uint8_t s : found.of) ++count[s];
+  for (std::size_t i = 0; i < inner; ++i) ++count[found.of[i]];
+  // A sheet that the ball barely touches needs the samples around it: without the sheet the others would extend beyond
+  // the crease.
+  const std::vector<std::size_t> within = count;
+  for (std::size_t i = inner; i < normals.size(); ++i) {
+    const std::size_t best = nearest(normals[i]);
+    if (within[best] >= kBarelyTouched || dot(normals[i], sheet[best]) < kCreaseCosine) continue;
+    found.of[i] = static_cast<std::uint8_t>(best);
+    ++count[best];
+  }
+  // A sheet with a single sample cannot be fitted; it must not distort the others either.
   std::vector<std::uint8_t> rank(sheets, kTooFew);
   std::size_t kept = 0;
   for (std::size_t s = 0; s < sheets; ++s)
@@ -104,7 +119,8 @@ CreaseSheets split_sheets(std::span<const Vec3f> normals) {
       rank[s] = static_cast<std::uint8_t>(kept++);
     }
   sheet.resize(kept);
-  for (std::uint8_t& s : found.of) s = rank[s];
+  for (std::uint8_t& s : found.of)
+    if (s != kTooFew) s = rank[s];
   return found;
 }
 
@@ -155,10 +171,10 @@ bool join_pieces(std::span<const Vec3f> positions, std::span<const float> weight
 }  // namespace
 
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
-                     const Vec3f& center, float scale, int max_degree) {
+                     std::size_t inner, const Vec3f& center, float scale, int max_degree) {
   CreaseFit result;
-  if (positions.size() < 8) return result;
-  const CreaseSheets sheets = split_sheets(normals);
+  if (inner < 8) return result;
+  const CreaseSheets sheets = split_sheets(normals, inner);
   if (sheets.normal.empty()) return result;
   std::vector<LocalFunction> piece(sheets.normal.size());
   LocalSamples samples;

@@ -20,6 +20,6 @@ struct CreaseFit {
 /// `weights`: the samples' weights. A single sample is no sheet. Returns no crease if the normals spread less than
 /// about 30°, or if the sheets are not consistently convex or concave.
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
-                     const Vec3f& center, float scale, int max_degree);
+                     std::size_t inner, const Vec3f& center, float scale, int max_degree);
 
 }  // namespace sansmesh::inline v1

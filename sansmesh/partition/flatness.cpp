@@ -9,7 +9,8 @@ namespace {
 
 constexpr float kBottomless = std::numeric_limits<float>::infinity();
 constexpr float kSecondSheet = 0.2f;  ///< least share of the samples in a block on another sheet
-static const float kChamfer = getenv("KC") ? atof(getenv("KC")) : 0.02f;     ///< mean gap along a crease, in units of the block's edge
+/// Mean gap along a crease of 20° or more, in units of the block's edge; proportional to smaller angles.
+constexpr float kChamfer = 0.02f, kChamferAngle = 0.35f;
 
 /// A triangle of edge e on a surface of curvature κ leaves a gap of κ e²/8. A plane fitted to a disc of radius R leaves
 /// an rms of 0.097 κ R² with the weights (1 − t²)², plus the noise. Only half of the noise is subtracted, because its
@@ -18,6 +19,13 @@ float gap_of(const Trial& t, float noise, float radius, float h) {
   if (t.plane() < 0) return kBottomless;
   const float bent = std::sqrt(std::max(0.0f, t.plane() - 0.5f * noise));
   return bent / (0.097f * radius * radius) * h * h / 32;
+}
+
+float least_cosine_of(std::span<const Vec3f> normals) {
+  float least = 1;
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) least = std::min(least, dot(normals[i], normals[j]));
+  return least;
 }
 
 }  // namespace
@@ -32,7 +40,8 @@ float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int lev
 }
 
 void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vector<std::vector<float>>& gap, float edge,
-                 int level, std::uint64_t block) {
+                 int level, std::uint64_t block, float least_cosine) {
+  const float chamfer = kChamfer * std::min(1.0f, std::acos(std::clamp(least_cosine, -1.0f, 1.0f)) / kChamferAngle);
   for (int l = 0; l < static_cast<int>(code.size()); ++l) {
     const auto& codes = code[static_cast<std::size_t>(l)];
     auto& gaps = gap[static_cast<std::size_t>(l)];
@@ -40,9 +49,22 @@ void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vecto
     const std::uint64_t high = l <= level ? low : low + (std::uint64_t{1} << (3 * (l - level))) - 1;
     for (auto it = std::lower_bound(codes.begin(), codes.end(), low); it != codes.end() && *it <= high; ++it) {
       float& g = gaps[static_cast<std::size_t>(it - codes.begin())];
-      g = std::max(g, kChamfer * edge / static_cast<float>(1u << l));
+      g = std::max(g, chamfer * edge / static_cast<float>(1u << l));
     }
   }
+}
+
+float least_cosine(std::span<const LocalFunction> functions, std::size_t support) {
+  std::vector<Vec3f> normals;
+  for (std::size_t i = support + 1; i > 0; i = static_cast<std::size_t>(functions[i - 1].next))
+    normals.push_back(functions[i - 1].nu);
+  return least_cosine_of(normals);
+}
+
+float least_cosine(const FittedLeaf& leaf) {
+  std::vector<Vec3f> normals{leaf.function.nu};
+  for (const LocalFunction& piece : leaf.more) normals.push_back(piece.nu);
+  return least_cosine_of(normals);
 }
 
 }  // namespace sansmesh::inline v1

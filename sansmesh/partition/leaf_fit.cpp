@@ -28,8 +28,8 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
   if (!fitter.options.sharp || smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
   const DegreeFits bendiest = fit_all_degrees(ws.block.samples, fitter.options.max_degree);
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
-  ball_samples(fitter.tree, f, ws.block.ids, ws.position, ws.normal, ws.weight);
-  CreaseFit crease = fit_crease(ws.position, ws.normal, ws.weight, f.center, f.scale, fitter.options.max_degree);
+  const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ids, ws.position, ws.normal, ws.weight);
+  CreaseFit crease = fit_crease(ws.position, ws.normal, ws.weight, inner, f.center, f.scale, fitter.options.max_degree);
   if (crease.pieces.empty() || crease.mean_square >= kCreaseGain * best) return {};
   smooth = crease.mean_square;
   return std::move(crease.pieces);
@@ -144,13 +144,6 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.level = static_cast<std::uint8_t>(leaf.level);
   const float h = fitter.block_edge(leaf.level);
   set_surface_patch(f, c - Vec3f{h, h, h} * 0.5f, h, support);
-  if (getenv("DBG")) {
-    float q[3]; sscanf(getenv("DBG"), "%f,%f,%f", q, q + 1, q + 2);
-    // DBG
-    if (getenv("DBGC")) fprintf(stderr, "C %f %f %f\n", c.x, c.y, c.z);
-    float d = norm(f.center - Vec3f{q[0], q[1], q[2]});
-    if (d < f.radius) fprintf(stderr, "leaf level %d d/R %.2f R %.4f deg %d creased %d pieces %zu rms %.5f reach %.2f n %u cov %.2f val %.4f conv %d accepted %.6f\n", leaf.level, d / f.radius, f.radius, f.degree, support.creased, result.more.size(), std::sqrt(square), t.reach, support.samples, support.coverage, local_value(f, Vec3f{q[0], q[1], q[2]}), f.convex, choice.accepted);
-  }
   return result;
 }
 

@@ -62,8 +62,9 @@ std::vector<PartitionData::Flatness> record_flatness(SampleTree& tree, const Blo
     if (l + 1 < levels) flatness[l].child = std::move(level.child);
     choice.trials[l] = {};
   }
-  for (const Support& support : data.supports)
-    if (support.creased) mark_crease(code, gap, tree.edge(), support.level, support.code);
+  for (std::size_t i = 0; i < data.supports.size(); ++i)
+    if (const Support& support = data.supports[i]; support.creased)
+      mark_crease(code, gap, tree.edge(), support.level, support.code, least_cosine(data.functions, i));
   for (std::size_t l = 0; l < levels; ++l) {
     flatness[l].code = std::move(code[l]);
     flatness[l].gap = std::move(gap[l]);

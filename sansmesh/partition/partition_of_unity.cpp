@@ -117,7 +117,7 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
     const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
     if (here.gap[item.cell] <= mesh_error || item.level >= deepest) continue;
     const std::size_t first = tree.subdivide(item.block);
-    if (item.level == last) { if (getenv("XD") && here.gap[item.cell] >= 0.02f * float(s.edge) / float(1u << last)) for (std::size_t k = 0; k < 8; ++k) tree.subdivide(first + k); continue; }  // the samples do not resolve finer scales
+    if (item.level == last) continue;  // the samples do not resolve finer scales
     const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
     for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
       stack.push_back({first + (below.code[c] & 7), item.level + 1, c});

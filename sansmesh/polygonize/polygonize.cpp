@@ -152,8 +152,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   to_surface();
   if (options.creases) {
     snap_to_creases(placement, mesh.triangles, corners, mesh.normals, x);
-    if (getenv("CR1")) refine_creases(placement, mesh.triangles, corners, x);
-    if (!getenv("NT1") && turn_edges_to_creases(placement, x, mesh.triangles) > 0) corners = VertexCorners(mesh.triangles, n);
+    if (turn_edges_to_creases(placement, x, mesh.triangles) > 0) corners = VertexCorners(mesh.triangles, n);
   }
   if (options.domain) {
     cut_off(*options.domain, on_cap, mesh, x);
@@ -161,8 +160,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   }
   if (simplified(options, mesh, x, progress)) {
     place_again(placement, options, mesh, x);
-    if (options.creases && !getenv("NT2")) turn_edges_to_creases(placement, x, mesh.triangles);
-    if (getenv("CR2")) refine_creases(placement, mesh.triangles, VertexCorners(mesh.triangles, mesh.vertices.size()), x);
+    if (options.creases) turn_edges_to_creases(placement, x, mesh.triangles);
   } else if (options.balance) {
     balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);
   }

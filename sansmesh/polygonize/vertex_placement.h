@@ -16,9 +16,6 @@ namespace sansmesh::inline v1 {
 void snap_to_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const VertexCorners& corners,
                      const std::vector<Vec3f>& normals, std::vector<Vec3>& x);
 
-void refine_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const VertexCorners& corners,
-                    std::vector<Vec3>& x);
-
 /// A mesh with its vertices on a curved surface is on one side of it. Moves each vertex along its normal by the mean
 /// distance of the surrounding triangles, so that they straddle the surface: on a sphere the mean gap falls to a third.
 /// Vertices at creases stay.
