@@ -17,8 +17,9 @@ struct CreaseFit {
 };
 
 /// Splits the samples by their normals into two or three sheets and fits each. `center`, `scale`: the support's frame;
-/// `weights`: the samples' weights. A single sample is no sheet. Returns no crease if the normals spread less than
-/// about 30°, or if the sheets are not consistently convex or concave.
+/// `weights`: the samples' weights. Only the first `inner` samples are in the support; those after complete sheets of
+/// fewer than four. A single sample is no sheet. Returns no crease if the normals spread less than about 10°, or if the
+/// sheets are not consistently convex or concave.
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      std::size_t inner, const Vec3f& center, float scale, int max_degree);
 

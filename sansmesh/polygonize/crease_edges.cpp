@@ -12,12 +12,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostRounds = 6;
-/// Edges bridge a crease if the adjacent triangles differ by more than 8°, and the midpoints of the edges are off the
+/// Edges bridge a crease if the adjacent triangles differ by more than 15°, and the midpoints of the edges are off the
 /// surface by more than this share of their lengths; the replacement must be closer by this factor.
-constexpr double kBridgeCosine = 0.99, kOffSurfaceShare = 0.005, kCloser = 0.5;
-constexpr float kBentCosine = 0.9975f;  ///< cosine of half that angle
+constexpr double kBridgeCosine = 0.966, kOffSurfaceShare = 0.02, kCloser = 0.5;
+constexpr float kBentCosine = 0.991f;  ///< cosine of half that angle
 /// Bounds of 4√3 area / Σ edges² of the new triangles, and of the cosine between their normals and the old ones.
-constexpr double kLeastQuality = 0.05, kLeastAgreement = 0.2;
+constexpr double kLeastQuality = 0.1, kLeastAgreement = 0.2;
 
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double edges = squared_norm(b - a) + squared_norm(c - b) + squared_norm(a - c);
