@@ -14,6 +14,17 @@ LeafRef ref_of(const PartitionData& data, std::size_t support) {
 
 LeafRef ref_of(const FittedLeaf& leaf) { return {&leaf.function, &leaf.support, nullptr, &leaf.more}; }
 
+std::vector<LocalFunction> pieces_of(const LeafRef& leaf) {
+  std::vector<LocalFunction> pieces{*leaf.function};
+  if (leaf.more) {
+    pieces.insert(pieces.end(), leaf.more->begin(), leaf.more->end());
+  } else {
+    for (std::int32_t next = leaf.function->next; next != 0; next = leaf.chain[next - 1].next)
+      pieces.push_back(leaf.chain[next - 1]);
+  }
+  return pieces;
+}
+
 void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, std::vector<LocalFunction>& functions) {
   std::size_t tail = support;
   for (const LocalFunction& piece : pieces) {
@@ -54,13 +65,9 @@ void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
     functions[i].next = 0;
     supports[i] = *leaves[i].support;
   });
-  std::vector<LocalFunction> pieces;
   for (std::size_t i = 0; i < n; ++i) {
-    const LeafRef& leaf = leaves[i];
-    pieces.clear();
-    for (std::int32_t next = leaf.function->next; !leaf.more && next != 0; next = leaf.chain[next - 1].next)
-      pieces.push_back(leaf.chain[next - 1]);
-    append_pieces(i, leaf.more ? std::span<const LocalFunction>(*leaf.more) : pieces, functions);
+    const std::vector<LocalFunction> pieces = pieces_of(leaves[i]);
+    append_pieces(i, std::span(pieces).subspan(1), functions);
   }
   data.functions = std::move(functions);
   data.supports = std::move(supports);

@@ -25,6 +25,9 @@ struct LeafRef {
 LeafRef ref_of(const PartitionData& data, std::size_t support);
 LeafRef ref_of(const FittedLeaf& leaf);
 
+/// All pieces of a support's function, in joining order.
+std::vector<LocalFunction> pieces_of(const LeafRef& leaf);
+
 /// Writes supports, in the order of the Morton curve, to the arrays of `data`, and their sums to its report.
 void assemble(std::span<const LeafRef> leaves, PartitionData& data);
 

@@ -209,4 +209,11 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   return result;
 }
 
+float least_cosine(std::span<const LocalFunction> pieces) {
+  float least = 1;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) least = std::min(least, dot(pieces[i].nu, pieces[j].nu));
+  return least;
+}
+
 }  // namespace sansmesh::inline v1

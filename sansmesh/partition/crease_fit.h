@@ -23,4 +23,7 @@ struct CreaseFit {
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      std::size_t inner, const Vec3f& center, float scale, int max_degree);
 
+/// Cosine of the largest angle between the normals of two pieces.
+float least_cosine(std::span<const LocalFunction> pieces);
+
 }  // namespace sansmesh::inline v1

@@ -21,13 +21,6 @@ float gap_of(const Trial& t, float noise, float radius, float h) {
   return bent / (0.097f * radius * radius) * h * h / 32;
 }
 
-float least_cosine_of(std::span<const Vec3f> normals) {
-  float least = 1;
-  for (std::size_t i = 0; i < normals.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) least = std::min(least, dot(normals[i], normals[j]));
-  return least;
-}
-
 }  // namespace
 
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell) {
@@ -52,19 +45,6 @@ void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vecto
       g = std::max(g, chamfer * edge / static_cast<float>(1u << l));
     }
   }
-}
-
-float least_cosine(std::span<const LocalFunction> functions, std::size_t support) {
-  std::vector<Vec3f> normals;
-  for (std::size_t i = support + 1; i > 0; i = static_cast<std::size_t>(functions[i - 1].next))
-    normals.push_back(functions[i - 1].nu);
-  return least_cosine_of(normals);
-}
-
-float least_cosine(const FittedLeaf& leaf) {
-  std::vector<Vec3f> normals{leaf.function.nu};
-  for (const LocalFunction& piece : leaf.more) normals.push_back(piece.nu);
-  return least_cosine_of(normals);
 }
 
 }  // namespace sansmesh::inline v1

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/scale_choice.h"
 
 namespace sansmesh::inline v1 {
@@ -15,12 +13,8 @@ float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int lev
 
 /// Limits the flatness of a block with a crease, and of all blocks above and below it, to that of a chamfer of its
 /// lattice. Codes and gaps of all levels; `edge` of the root cube.
-/// `least_cosine`: of the normals of the pieces that meet.
+/// `least_cosine`: of the normals of the pieces that meet (crease_fit.h).
 void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vector<std::vector<float>>& gap, float edge,
                  int level, std::uint64_t block, float least_cosine);
-
-/// Cosine of the largest angle between the normals of a creased support's pieces: that of `functions`, or of a new fit.
-float least_cosine(std::span<const LocalFunction> functions, std::size_t support);
-float least_cosine(const FittedLeaf& leaf);
 
 }  // namespace sansmesh::inline v1

@@ -18,7 +18,10 @@ constexpr double kForgiven = 0.5;
 constexpr float kSameWay = 0.8f;       ///< cosine between the frames of a fit and a wider one
 constexpr double kSteadier = 0.98;     ///< factor of risk that a wider fit must achieve
 constexpr float kAnotherSheet = 0.2f;  ///< share of the weight in a support of samples that face away
-constexpr double kCreaseGain = 0.25;   ///< largest mean square of a creased fit over that of a smooth one
+/// Largest mean square of a creased fit over that of a smooth one, and of creases below 30°, such as the edges of the
+/// facets of a round part.
+constexpr double kCreaseGain = 0.25, kFlatCreaseGain = 0.1;
+constexpr float kFlatCreaseCosine = 0.866f;
 
 /// Pieces of a support with a crease; none if there is no crease, or if it does not explain the samples better than all
 /// smooth functions, including those that fail the robustness tests. `smooth`: mean square of the chosen smooth
@@ -30,7 +33,8 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
   const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ids, ws.position, ws.normal, ws.weight);
   CreaseFit crease = fit_crease(ws.position, ws.normal, ws.weight, inner, f.center, f.scale, fitter.options.max_degree);
-  if (crease.pieces.empty() || crease.mean_square >= kCreaseGain * best) return {};
+  const double gain = least_cosine(crease.pieces) > kFlatCreaseCosine ? kFlatCreaseGain : kCreaseGain;
+  if (crease.pieces.empty() || crease.mean_square >= gain * best) return {};
   smooth = crease.mean_square;
   return std::move(crease.pieces);
 }

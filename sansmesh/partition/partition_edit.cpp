@@ -16,6 +16,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
+#include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/paper_edit.h"
@@ -200,7 +201,7 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
     }
   }
   for (const FittedLeaf& leaf : leaves)
-    if (leaf.support.creased) mark_crease(code, gap, data.edge, leaf.support.level, leaf.support.code, least_cosine(leaf));
+    if (leaf.support.creased) mark_crease(code, gap, data.edge, leaf.support.level, leaf.support.code, least_cosine(pieces_of(ref_of(leaf))));
   for (std::size_t l = 0; l < levels; ++l) result[l].gap = std::move(gap[l]);
   return result;
 }

@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
+#include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/openness.h"
@@ -64,7 +65,7 @@ std::vector<PartitionData::Flatness> record_flatness(SampleTree& tree, const Blo
   }
   for (std::size_t i = 0; i < data.supports.size(); ++i)
     if (const Support& support = data.supports[i]; support.creased)
-      mark_crease(code, gap, tree.edge(), support.level, support.code, least_cosine(data.functions, i));
+      mark_crease(code, gap, tree.edge(), support.level, support.code, least_cosine(pieces_of(ref_of(data, i))));
   for (std::size_t l = 0; l < levels; ++l) {
     flatness[l].code = std::move(code[l]);
     flatness[l].gap = std::move(gap[l]);
