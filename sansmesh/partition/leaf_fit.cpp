@@ -12,6 +12,9 @@ namespace {
 
 /// Radii of wider balls for noisy samples: about two and four times the area.
 constexpr float kWider[] = {1.41f, 2.0f};
+/// Where a function follows its samples to a small part of the radius of its ball, its support is wider by up to this
+/// share: its neighbours' blocks may be empty, and the far field is less exact.
+constexpr float kExactReach = 0.25f, kInexact = 0.02f;
 /// Share of the noise that is subtracted from the additional residual of a wider fit: the estimate of the noise also
 /// contains shape that no fit followed.
 constexpr double kForgiven = 0.5;
@@ -141,7 +144,8 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
     const double noise = t.noise >= 0 ? t.noise : choice.variance;
     square = widen_fit(fitter, leaf, noise, fits.effective_count, square, ws, f);
   }
-  f.radius = fitter.support_radius(leaf.level);
+  const float off = static_cast<float>(std::sqrt(square)) / radius;
+  f.radius = fitter.support_radius(leaf.level) * (1 + kExactReach * std::clamp(1 - off / kInexact, 0.0f, 1.0f));
   if (noisy && faces_another_sheet(fitter, leaf, f, ws)) f.radius = radius;
   support.error = static_cast<float>(std::sqrt(square));
   support.code = tree.level(leaf.level).code[leaf.cell];
