@@ -6,9 +6,6 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Radii of larger balls for blocks with too few samples, in units of the ball's radius: twice the area, and the
-/// parent's ball.
-constexpr float kReaches[] = {1.41f, 2.0f};
 /// Slopes of the first plane against the mean normal for which the frame is rotated. Below, the weights and residuals
 /// change by at most a hundredth; above, the plane is not that of the samples that face the mean normal.
 constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;

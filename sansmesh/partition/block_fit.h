@@ -45,6 +45,14 @@ inline BlockFitter fitter_of(const SampleTree& tree, const PartitionOptions& opt
 /// most of their norm near the rim, where the weights vanish, have little effect.
 constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
 
+/// Radii of larger balls for blocks with too few samples, in units of the ball's radius: twice the area, and the
+/// parent's ball.
+constexpr float kReaches[] = {1.41f, 2.0f};
+
+/// Where a function follows its samples to a small part of the radius of its ball, its support is wider by up to this
+/// share: the blocks beside it may be empty, and the far field is less exact.
+constexpr float kExactReach = 0.25f;
+
 /// Buffers reused from block to block.
 struct Workspace {
   std::vector<std::uint32_t> ids;

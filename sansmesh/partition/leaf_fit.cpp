@@ -12,9 +12,8 @@ namespace {
 
 /// Radii of wider balls for noisy samples: about two and four times the area.
 constexpr float kWider[] = {1.41f, 2.0f};
-/// Where a function follows its samples to a small part of the radius of its ball, its support is wider by up to this
-/// share: its neighbours' blocks may be empty, and the far field is less exact.
-constexpr float kExactReach = 0.25f, kInexact = 0.02f;
+/// Residual over the radius of the ball from which a support is not wider.
+constexpr float kInexact = 0.02f;
 /// Share of the noise that is subtracted from the additional residual of a wider fit: the estimate of the noise also
 /// contains shape that no fit followed.
 constexpr double kForgiven = 0.5;
@@ -36,8 +35,11 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
   const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ids, ws.position, ws.normal, ws.weight);
   CreaseFit crease = fit_crease(ws.position, ws.normal, ws.weight, inner, f.center, f.scale, fitter.options.max_degree);
-  const double gain = least_cosine(crease.pieces) > kFlatCreaseCosine ? kFlatCreaseGain : kCreaseGain;
-  if (crease.pieces.empty() || crease.mean_square >= gain * best) return {};
+  if (crease.pieces.empty()) return {};
+  // Two planes also explain a bend better than one.
+  const double flat_gain = fitter.options.max_degree > 1 ? kFlatCreaseGain : 0;
+  const double gain = least_cosine(crease.pieces) > kFlatCreaseCosine ? flat_gain : kCreaseGain;
+  if (crease.mean_square >= gain * best) return {};
   smooth = crease.mean_square;
   return std::move(crease.pieces);
 }
@@ -144,8 +146,9 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
     const double noise = t.noise >= 0 ? t.noise : choice.variance;
     square = widen_fit(fitter, leaf, noise, fits.effective_count, square, ws, f);
   }
+  f.radius = fitter.support_radius(leaf.level);
   const float off = static_cast<float>(std::sqrt(square)) / radius;
-  f.radius = fitter.support_radius(leaf.level) * (1 + kExactReach * std::clamp(1 - off / kInexact, 0.0f, 1.0f));
+  if (!fitter.options.support) f.radius *= 1 + kExactReach * std::clamp(1 - off / kInexact, 0.0f, 1.0f);
   if (noisy && faces_another_sheet(fitter, leaf, f, ws)) f.radius = radius;
   support.error = static_cast<float>(std::sqrt(square));
   support.code = tree.level(leaf.level).code[leaf.cell];

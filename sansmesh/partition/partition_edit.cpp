@@ -206,6 +206,17 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
   return result;
 }
 
+/// Radius of a support over that of a fit's, if a refit has given it another; 1 if not. The supports of exact functions
+/// are wider than their block's, but their balls of samples are not.
+float refitted_radius(const BlockFitter& whole, const LocalFunction& f, int level) {
+  const float own = whole.support_radius(level), ball = f.scale / whole.fit_radius(level);
+  if (f.radius == own || f.radius == whole.fit_radius(level)) return 1;
+  if (f.is_constant() && f.radius > own && f.radius <= (1 + kExactReach) * own) return 1;
+  for (const float reach : {1.0f, kReaches[0], kReaches[1]})
+    if (std::abs(ball - reach) < 1e-3f) return 1;
+  return f.radius / own;
+}
+
 /// Chosen supports whose block was refitted. The others have too few samples, and are unchanged.
 Selection in_served_blocks(const PartitionData& data, const Selection& chosen, std::span<const BlockKey> roots,
                            const SampleTree& tree, const ScaleChoice& choice) {
@@ -298,10 +309,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
       const auto cell = static_cast<std::uint32_t>(found);
       walk.go(s.level, cell);
       BlockFitter fitter = whole;
-      // A refit may have given it another radius than the fit would.
-      if (const float r = data.functions[chosen[i]].radius;
-          r != whole.support_radius(s.level) && r != whole.fit_radius(s.level))
-        fitter.fit *= r / whole.support_radius(s.level);
+      fitter.fit *= refitted_radius(whole, data.functions[chosen[i]], s.level);
       const float reach = gather_enough(fitter, s.level, cell, walk.own(), walk.parents(), ws.ids);
       const Cube c = cube_of(data, s.level, s.code);
       const Vec3f center = fitter.center(s.level, cell);
