@@ -10,37 +10,18 @@ namespace {
 /// change by at most a hundredth; above, the plane is not that of the samples that face the mean normal.
 constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;
 
-/// Projects the samples of the ball around `middle` that face the same way as f.nu into f's frame. Returns the share of
-/// the weight that faces away.
-float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
-  const auto positions = tree.positions();
-  const auto normals = tree.normals();
-  const float inverse = 1 / f.scale;
-  const float stretch = height > f.scale ? f.scale * f.scale / (height * height) - 1 : 0;
-  ws.samples.clear();
-  float kept = 0, away = 0;
-  for (const std::uint32_t i : ws.ids) {
-    float t = squared_norm(positions[i] - middle) * inverse * inverse;
-    if (stretch != 0) {
-      const float above = dot(positions[i] - middle, f.nu) * inverse;
-      t += stretch * above * above;
-    }
-    if (t >= 1) continue;
-    const float weight = smooth_weight(t);
-    if (dot(normals[i], f.nu) < 0) {
-      away += weight;
-      continue;
-    }
-    kept += weight;
-    const Vec3f d = (positions[i] - f.center) * inverse;
-    ws.samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), weight);
-  }
-  return kept + away > 0 ? away / (kept + away) : 0;
-}
-
 void set_normal(LocalFunction& f, const Vec3f& nu) {
   f.nu = nu;
   tangent_frame(f.nu, f.xi, f.eta);
+}
+
+/// Projects the samples of the ball around `middle` that face the same way as f.nu into f's frame. Returns the share of
+/// the weight that faces away.
+float project(const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
+  const float stretch = height > f.scale ? f.scale * f.scale / (height * height) - 1 : 0;
+  const auto [kept, away, least] = project_ball(ws.ball, {middle, f.scale, stretch, f.xi, f.eta, f.nu}, ws.samples);
+  ws.least_cosine = least;
+  return kept + away > 0 ? away / (kept + away) : 0;
 }
 
 /// Distance of the samples' centre of gravity from the centre of the disc, relative to its radius: 0 in the interior of
@@ -64,72 +45,49 @@ double coverage(const LocalSamples& s) {
 }
 
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
-            std::vector<std::uint32_t>& ids, std::size_t stride) {
-  ids.clear();
-  const auto positions = tree.positions();
+            BallSamples& ball, std::size_t stride) {
   const auto& begin = tree.level(level).begin;
-  const float limit = radius * radius;
-  for (const std::int32_t cell : cells) {
-    if (cell < 0) continue;
-    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1];
-         i += static_cast<std::uint32_t>(stride))
-      if (squared_norm(positions[i] - c) < limit) ids.push_back(i);
-  }
+  std::array<SampleRange, 27> ranges;
+  std::size_t n = 0;
+  for (const std::int32_t cell : cells)
+    if (cell >= 0) ranges[n++] = {begin[static_cast<std::size_t>(cell)], begin[static_cast<std::size_t>(cell) + 1]};
+  ball.gather(tree.positions(), tree.normals(), std::span(ranges).first(n), c, radius, stride);
 }
 
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                    const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids) {
+                    const SampleTree::Neighbours& parents, BallSamples& ball) {
   const Vec3f c = fitter.center(level, cell);
   const float radius = fitter.fit_radius(level);
-  const auto enough = [&](float r) {
-    const auto in = std::count_if(
-        ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
-    return in >= fitter.options.min_samples;
-  };
+  const auto enough = [&](float r) { return ball.count(r) >= static_cast<std::size_t>(fitter.options.min_samples); };
   if (fitter.height <= radius || level == 0) {
-    gather(fitter.tree, level, own, c, kShift * radius, ids);
+    gather(fitter.tree, level, own, c, kShift * radius, ball);
   } else {
-    gather(fitter.tree, level - 1, parents, c, kShift * fitter.height, ids);
+    gather(fitter.tree, level - 1, parents, c, kShift * fitter.height, ball);
   }
   if (enough(radius) || level == 0) return 1;
   for (const float reach : kReaches) {
-    gather(fitter.tree, level - 1, parents, c, kShift * std::max(reach * radius, fitter.height), ids);
+    gather(fitter.tree, level - 1, parents, c, kShift * std::max(reach * radius, fitter.height), ball);
     if (enough(reach * radius)) return reach;
   }
   return 0;
 }
 
-DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
-                     LocalFunction& f, float* dropped, float height) {
-  const auto positions = tree.positions();
-  const auto normals = tree.normals();
-  const float inverse = 1 / (scale * scale);
-  Vec3f normal, mean;
-  float weight = 0;
-  for (const std::uint32_t i : ws.ids) {
-    const Vec3f d = positions[i] - c;
-    const float t = squared_norm(d) * inverse;
-    if (t >= 1) continue;
-    const float w = smooth_weight(t);
-    normal += normals[i] * w;
-    mean += d * w;
-    weight += w;
-  }
-  normal = normalized(normal);
+DegreeFits fit_local(float scale, int max_degree, Workspace& ws, LocalFunction& f, float* dropped, float height) {
+  const BallSums sums = sum_ball(ws.ball, scale);
+  Vec3f normal = normalized(sums.normal);
   if (normal == Vec3f{}) normal = {0, 0, 1};
   set_normal(f, normal);
-  f.center = c;
+  f.center = ws.ball.center();
   f.scale = scale;
-  Vec3f middle = weight > 0 ? c + normal * (dot(mean, normal) / weight) : c;
-  float away = project(tree, middle, ws, f, height);
+  const Vec3f middle = sums.weight > 0 ? normal * (dot(sums.offset, normal) / sums.weight) : Vec3f{};
+  float away = project(middle, ws, f, height);
   DegreeFits fits = fit_all_degrees(ws.samples, max_degree);
   if (fits.highest >= 1) {
     const auto plane = monomial_coefficients(fits, 1);
     const float slope = std::hypot(plane[1], plane[2]);
     if (slope > kLeastSlope && slope < kMostSlope) {
       set_normal(f, normalized(f.nu - f.xi * plane[1] - f.eta * plane[2]));
-      middle = c + f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope));
-      away = project(tree, middle, ws, f, height);
+      away = project(f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope)), ws, f, height);
       fits = fit_all_degrees(ws.samples, max_degree);
     }
   }

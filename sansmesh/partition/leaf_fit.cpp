@@ -24,16 +24,19 @@ constexpr float kAnotherSheet = 0.2f;  ///< share of the weight in a support of 
 /// facets of a round part.
 constexpr double kCreaseGain = 0.25, kFlatCreaseGain = 0.1;
 constexpr float kFlatCreaseCosine = 0.866f;
+/// Normals within 5° of one direction belong to no crease.
+constexpr float kAlikeCosine = 0.9962f;
 
 /// Pieces of a support with a crease; none if there is no crease, or if it does not explain the samples better than all
 /// smooth functions, including those that fail the robustness tests. `smooth`: mean square of the chosen smooth
 /// function; replaced by that of the crease, if found.
 std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoice& choice, const LocalFunction& f,
                                       double& smooth, FitWorkspace& ws) {
-  if (!fitter.options.sharp || smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
+  if (!fitter.options.sharp || ws.block.least_cosine > kAlikeCosine) return {};
+  if (smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
   const DegreeFits bendiest = fit_all_degrees(ws.block.samples, fitter.options.max_degree);
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
-  const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ids, ws.position, ws.normal, ws.weight);
+  const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ball.ids(), ws.position, ws.normal, ws.weight);
   CreaseFit crease = fit_crease(ws.position, ws.normal, ws.weight, inner, f.center, f.scale, fitter.options.max_degree);
   if (crease.pieces.empty()) return {};
   // Two planes also explain a bend better than one.
@@ -71,9 +74,9 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
     const float scale = kWider[k] * narrow.scale;
     const std::size_t up = k + 1;
     gather(fitter.tree, leaf.level - static_cast<int>(up), ws.walk.above(up), narrow.center, kShift * scale,
-           ws.block.ids);
+           ws.block.ball);
     LocalFunction wide;
-    const DegreeFits fits = fit_local(fitter.tree, narrow.center, scale, fitter.options.max_degree, ws.block, wide);
+    const DegreeFits fits = fit_local(scale, fitter.options.max_degree, ws.block, wide);
     if (dot(wide.nu, narrow.nu) < kSameWay) break;
     const int highest = highest_degree(fitter.options, fits, ws.block.samples);
     bool better = false;
@@ -97,15 +100,9 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
 /// with it.
 bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const LocalFunction& f, FitWorkspace& ws) {
   if (leaf.level == 0) return false;
-  gather(fitter.tree, leaf.level - 1, ws.walk.parents(), f.center, f.radius, ws.block.ids);
-  const float inverse = 1 / (f.radius * f.radius);
-  float away = 0, all = 0;
-  for (const std::uint32_t i : ws.block.ids) {
-    const float weight = smooth_weight(squared_norm(fitter.tree.positions()[i] - f.center) * inverse);
-    all += weight;
-    if (dot(fitter.tree.normals()[i], f.nu) < 0) away += weight;
-  }
-  return away > kAnotherSheet * all;
+  gather(fitter.tree, leaf.level - 1, ws.walk.parents(), f.center, f.radius, ws.block.ball);
+  const FacingWeights weights = weigh_ball(ws.block.ball, f.radius, f.nu);
+  return weights.away > kAnotherSheet * (weights.kept + weights.away);
 }
 
 }  // namespace
@@ -123,13 +120,13 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   const float radius = fitter.fit_radius(leaf.level);
   ws.walk.go(leaf.level, leaf.cell);
   if (t.reach == 1) {
-    gather(tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ids, t.stride);
+    gather(tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ball, t.stride);
   } else {
-    gather(tree, leaf.level - 1, ws.walk.parents(), c, kShift * t.reach * radius, ws.block.ids);
+    gather(tree, leaf.level - 1, ws.walk.parents(), c, kShift * t.reach * radius, ws.block.ball);
   }
   FittedLeaf result;
   LocalFunction& f = result.function;
-  const DegreeFits fits = fit_local(tree, c, t.reach * radius, t.degree, ws.block, f);
+  const DegreeFits fits = fit_local(t.reach * radius, t.degree, ws.block, f);
   f.degree = t.degree;
   f.coefficient = monomial_coefficients(fits, t.degree);
   Support& support = result.support;

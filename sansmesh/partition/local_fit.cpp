@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "sansmesh/partition/local_fit.h"
 
@@ -115,6 +116,16 @@ constexpr std::array<Exponent, 15> kExponents{{{0, 0},
                                                {1, 3},
                                                {0, 4}}};
 
+/// Moment of the product of two monomials.
+constexpr std::array<std::array<std::uint8_t, 15>, 15> kProduct = [] {
+  std::array<std::array<std::uint8_t, 15>, 15> table{};
+  for (std::size_t a = 0; a < 15; ++a)
+    for (std::size_t b = 0; b < 15; ++b)
+      table[a][b] = static_cast<std::uint8_t>(
+          moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v));
+  return table;
+}();
+
 }  // namespace
 
 DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree) {
@@ -135,25 +146,26 @@ DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree) {
 
   // The Cholesky factorisation of the Gram matrix is Gram–Schmidt on the monomials in their order: row a of L makes
   // basis function a orthonormal to the previous ones, so the fit of each degree is a prefix of those above.
+  std::array<double, 15> inverse{};  // of the diagonal
   double rest = squares[0];
   int basis = 0;
   for (int d = 0; d <= degree; ++d) {
     for (; basis < kBasisSize[static_cast<std::size_t>(d)]; ++basis) {
       const auto a = static_cast<std::size_t>(basis);
       for (std::size_t b = 0; b < a; ++b) {
-        double t = m[static_cast<std::size_t>(
-            moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v))];
+        double t = m[kProduct[a][b]];
         for (std::size_t k = 0; k < b; ++k) t -= fits.l[a][k] * fits.l[b][k];
-        fits.l[a][b] = t / fits.l[b][b];
+        fits.l[a][b] = t * inverse[b];
       }
-      const double own = m[static_cast<std::size_t>(moment_index(2 * kExponents[a].u, 2 * kExponents[a].v))];
+      const double own = m[kProduct[a][a]];
       double t = own;
       for (std::size_t k = 0; k < a; ++k) t -= fits.l[a][k] * fits.l[a][k];
       if (!(t > 1e-9 * own) || !(own > 1e-12 * m[0])) return fits;
       fits.l[a][a] = std::sqrt(t);
+      inverse[a] = 1 / fits.l[a][a];
       double y = rhs[a];
       for (std::size_t k = 0; k < a; ++k) y -= fits.l[a][k] * fits.y[k];
-      fits.y[a] = y / fits.l[a][a];
+      fits.y[a] = y * inverse[a];
       rest -= fits.y[a] * fits.y[a];
     }
     fits.mean_square[static_cast<std::size_t>(d)] = std::max(rest, 0.0) / m[0];

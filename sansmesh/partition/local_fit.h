@@ -28,6 +28,12 @@ class LocalSamples {
   const float* v() const { return data_[1].data(); }
   const float* w() const { return data_[2].data(); }
   const float* weight() const { return data_[3].data(); }
+  /// Room for n samples and a vector more; they are written to the rows, and then counted by resize().
+  void reserve(std::size_t n) {
+    if (n + kPadding > data_[0].size())
+      for (auto& d : data_) d.resize(2 * n + 64);
+  }
+  void resize(std::size_t n) { size_ = n; }
   /// Pads to a whole number of SIMD vectors with samples of weight 0.
   void pad() {
     const std::size_t n = size_;

@@ -310,14 +310,13 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
       walk.go(s.level, cell);
       BlockFitter fitter = whole;
       fitter.fit *= refitted_radius(whole, data.functions[chosen[i]], s.level);
-      const float reach = gather_enough(fitter, s.level, cell, walk.own(), walk.parents(), ws.ids);
+      const float reach = gather_enough(fitter, s.level, cell, walk.own(), walk.parents(), ws.ball);
       const Cube c = cube_of(data, s.level, s.code);
-      const Vec3f center = fitter.center(s.level, cell);
       const LocalFunction& old = data.functions[chosen[i]];
       FittedLeaf& leaf = leaves[i];
       leaf.support = s;
       if (reach > 0) {
-        const DegreeFits fits = fit_local(tree, center, reach * fitter.fit_radius(s.level),
+        const DegreeFits fits = fit_local(reach * fitter.fit_radius(s.level),
                                           automatic ? data.options.max_degree : degree, ws, leaf.function);
         if (fits.highest >= 0) {
           LocalFunction& f = leaf.function;

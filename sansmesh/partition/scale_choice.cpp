@@ -103,22 +103,22 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   LocalFunction f;
   if (stride > 1 && level < fitter.deepest) {
     // Case (iii): subdivided without a fit. A subset of the samples gives the flatness for the polygoniser.
-    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ids, stride);
+    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ball, stride);
     const float scale = fitter.fit_radius(level);
-    const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped, fitter.height);
+    const DegreeFits fits = fit_local(scale, 1, ws, f, &trial.dropped, fitter.height);
     record(fits, 1, scale, fitter.height, trial);
     return trial;
   }
   trial.stride = static_cast<std::uint32_t>(stride);
   if (stride > 1) {
-    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ids, stride);
+    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ball, stride);
   } else {
-    trial.reach = gather_enough(fitter, level, cell, own, walk.parents(), ws.ids);
+    trial.reach = gather_enough(fitter, level, cell, own, walk.parents(), ws.ball);
   }
   if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.fit_radius(level);
   const DegreeFits fits =
-      fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
+      fit_local(scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
   record(fits, 1, scale, fitter.height, trial);
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));

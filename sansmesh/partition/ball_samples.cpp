@@ -1,0 +1,217 @@
+// Kernels of four lanes on every instruction set, without fused multiply-add: equal sums everywhere.
+#include "sansmesh/core/simd_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/partition/ball_samples.cpp"
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
+
+#include <algorithm>
+#include <limits>
+
+#include "sansmesh/partition/ball_samples.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::inline v1 {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F4 = hn::CappedTag<float, BallSamples::kLanes>;
+using U4 = hn::Rebind<std::uint32_t, F4>;
+using V4 = hn::Vec<F4>;
+
+HWY_INLINE V4 Dot(V4 x, V4 y, V4 z, const Vec3f& a) {
+  const F4 d;
+  return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, a.x)), hn::Mul(y, hn::Set(d, a.y))), hn::Mul(z, hn::Set(d, a.z)));
+}
+
+HWY_INLINE V4 Square(V4 x, V4 y, V4 z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
+
+/// A sum in four parts on every instruction set, of which sample i belongs to part i mod 4.
+struct PartialSum {
+  V4 part[BallSamples::kLanes];
+  PartialSum() {
+    for (V4& p : part) p = hn::Zero(F4());
+  }
+  void add(std::size_t i, V4 v) {
+    V4& p = part[i % BallSamples::kLanes / hn::Lanes(F4())];
+    p = hn::Add(p, v);
+  }
+  float total() const {
+    HWY_ALIGN float lane[BallSamples::kLanes];
+    for (std::size_t i = 0; i < BallSamples::kLanes; i += hn::Lanes(F4()))
+      hn::Store(part[i / hn::Lanes(F4())], F4(), lane + i);
+    return (lane[0] + lane[2]) + (lane[1] + lane[3]);
+  }
+};
+
+/// Appends the samples of one range, of whose array `readable` samples may be read.
+HWY_INLINE void GatherRange(const float* positions, const float* normals, SampleRange range, std::size_t readable,
+                 const Vec3f& center, float limit, BallSamples& ball) {
+  const F4 d;
+  const U4 du;
+  const V4 cx = hn::Set(d, center.x), cy = hn::Set(d, center.y), cz = hn::Set(d, center.z), most = hn::Set(d, limit);
+  std::size_t n = ball.size();
+  std::uint32_t i = range.first;
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+  for (; i < range.last && i + lanes <= readable; i += lanes) {
+    V4 x, y, z;
+    hn::LoadInterleaved3(d, positions + 3 * static_cast<std::size_t>(i), x, y, z);
+    x = hn::Sub(x, cx), y = hn::Sub(y, cy), z = hn::Sub(z, cz);
+    auto in = hn::Lt(Square(x, y, z), most);
+    if (range.last - i < lanes) in = hn::And(in, hn::FirstN(d, range.last - i));
+    if (hn::AllFalse(d, in)) continue;
+    V4 nx, ny, nz;
+    hn::LoadInterleaved3(d, normals + 3 * static_cast<std::size_t>(i), nx, ny, nz);
+    hn::StoreU(hn::Compress(x, in), d, ball.row(0) + n);
+    hn::StoreU(hn::Compress(y, in), d, ball.row(1) + n);
+    hn::StoreU(hn::Compress(z, in), d, ball.row(2) + n);
+    hn::StoreU(hn::Compress(nx, in), d, ball.row(3) + n);
+    hn::StoreU(hn::Compress(ny, in), d, ball.row(4) + n);
+    hn::StoreU(hn::Compress(nz, in), d, ball.row(5) + n);
+    hn::StoreU(hn::Compress(hn::Iota(du, i), hn::RebindMask(du, in)), du, ball.id_row() + n);
+    n += hn::CountTrue(d, in);
+  }
+  for (; i < range.last; ++i) {
+    const float* p = positions + 3 * static_cast<std::size_t>(i);
+    const float x = p[0] - center.x, y = p[1] - center.y, z = p[2] - center.z;
+    if (!(x * x + y * y + z * z < limit)) continue;
+    const float* m = normals + 3 * static_cast<std::size_t>(i);
+    const float row[6] = {x, y, z, m[0], m[1], m[2]};
+    for (std::size_t r = 0; r < 6; ++r) ball.row(r)[n] = row[r];
+    ball.id_row()[n++] = i;
+  }
+  ball.resize(n);
+}
+
+void GatherRanges(const float* positions, const float* normals, const SampleRange* ranges, std::size_t count,
+                  std::size_t stride, std::size_t readable, float radius, BallSamples& ball) {
+  const float limit = radius * radius;
+  const Vec3f center = ball.center();
+  for (std::size_t k = 0; k < count; ++k) {
+    if (stride == 1) GatherRange(positions, normals, ranges[k], readable, center, limit, ball);
+    for (std::uint32_t i = ranges[k].first; stride > 1 && i < ranges[k].last; i += static_cast<std::uint32_t>(stride))
+      GatherRange(positions, normals, {i, i + 1}, 0, center, limit, ball);
+  }
+}
+
+void SumBall(const BallSamples& ball, float inverse, BallSums& sums) {
+  const F4 d;
+  const V4 one = hn::Set(d, 1.0f), scale = hn::Set(d, inverse);
+  PartialSum sum[7];
+  for (std::size_t i = 0; i < ball.size(); i += hn::Lanes(d)) {
+    const V4 offset[3] = {hn::LoadU(d, ball.position(0) + i), hn::LoadU(d, ball.position(1) + i),
+                          hn::LoadU(d, ball.position(2) + i)};
+    const V4 t = hn::Mul(Square(offset[0], offset[1], offset[2]), scale), rest = hn::Sub(one, t);
+    const auto inside = hn::Lt(t, one);
+    const V4 w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
+    for (std::size_t a = 0; a < 3; ++a) {
+      sum[a].add(i, hn::Mul(hn::LoadU(d, ball.normal(a) + i), w));
+      sum[3 + a].add(i, hn::IfThenElseZero(inside, hn::Mul(offset[a], w)));
+    }
+    sum[6].add(i, w);
+  }
+  sums.normal = {sum[0].total(), sum[1].total(), sum[2].total()};
+  sums.offset = {sum[3].total(), sum[4].total(), sum[5].total()};
+  sums.weight = sum[6].total();
+}
+
+void ProjectBall(const BallSamples& ball, const BallFrame& frame, LocalSamples* samples, FacingWeights& weights) {
+  const F4 d;
+  const V4 one = hn::Set(d, 1.0f), zero = hn::Zero(d), inverse = hn::Set(d, 1 / frame.scale);
+  const V4 square = hn::Set(d, 1 / (frame.scale * frame.scale)), stretch = hn::Set(d, frame.stretch);
+  const V4 mx = hn::Set(d, frame.middle.x), my = hn::Set(d, frame.middle.y), mz = hn::Set(d, frame.middle.z);
+  PartialSum kept, away;
+  V4 least = one;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < ball.size(); i += hn::Lanes(d)) {
+    const V4 x = hn::LoadU(d, ball.position(0) + i), y = hn::LoadU(d, ball.position(1) + i),
+             z = hn::LoadU(d, ball.position(2) + i);
+    const V4 ox = hn::Sub(x, mx), oy = hn::Sub(y, my), oz = hn::Sub(z, mz);
+    V4 t = hn::Mul(Square(ox, oy, oz), square);
+    if (frame.stretch != 0) {
+      const V4 above = hn::Mul(Dot(ox, oy, oz, frame.nu), inverse);
+      t = hn::Add(t, hn::Mul(stretch, hn::Mul(above, above)));
+    }
+    const auto inside = hn::Lt(t, one);
+    if (hn::AllFalse(d, inside)) continue;
+    const V4 rest = hn::Sub(one, t), w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
+    const V4 facing = Dot(hn::LoadU(d, ball.normal(0) + i), hn::LoadU(d, ball.normal(1) + i),
+                          hn::LoadU(d, ball.normal(2) + i), frame.nu);
+    const auto turned = hn::Lt(facing, zero);
+    least = hn::Min(least, hn::IfThenElse(inside, facing, one));
+    away.add(i, hn::IfThenElseZero(turned, w));
+    kept.add(i, hn::IfThenElse(turned, zero, w));
+    if (samples == nullptr) continue;
+    const auto keep = hn::AndNot(turned, inside);
+    hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.xi), inverse), keep), d, samples->u() + n);
+    hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.eta), inverse), keep), d, samples->v() + n);
+    hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.nu), inverse), keep), d, samples->w() + n);
+    hn::StoreU(hn::Compress(w, keep), d, samples->weight() + n);
+    n += hn::CountTrue(d, keep);
+  }
+  if (samples != nullptr) samples->resize(n);
+  weights = {kept.total(), away.total(), hn::GetLane(hn::MinOfLanes(d, least))};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::inline v1
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh::inline v1 {
+HWY_EXPORT(GatherRanges);
+HWY_EXPORT(SumBall);
+HWY_EXPORT(ProjectBall);
+
+void BallSamples::reserve(std::size_t n) {
+  if (n + kLanes <= ids_.size()) return;
+  const std::size_t room = 2 * n + 64;
+  for (auto& row : rows_) row.resize(room);
+  ids_.resize(room);
+}
+
+void BallSamples::gather(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                         std::span<const SampleRange> ranges, const Vec3f& center, float radius, std::size_t stride) {
+  center_ = center;
+  size_ = 0;
+  std::size_t most = 0;
+  for (const SampleRange& range : ranges) most += (range.last - range.first + stride - 1) / stride;
+  reserve(most);
+  HWY_DYNAMIC_DISPATCH(GatherRanges)
+  (&positions[0].x, &normals[0].x, ranges.data(), ranges.size(), stride, positions.size(), radius, *this);
+  for (std::size_t i = size_; i < padded(); ++i)
+    for (std::size_t r = 0; r < 6; ++r) rows_[r][i] = r < 3 ? std::numeric_limits<float>::infinity() : 0;
+}
+
+std::size_t BallSamples::count(float radius) const {
+  const float limit = radius * radius;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < size_; ++i)
+    n += rows_[0][i] * rows_[0][i] + rows_[1][i] * rows_[1][i] + rows_[2][i] * rows_[2][i] < limit;
+  return n;
+}
+
+BallSums sum_ball(const BallSamples& ball, float radius) {
+  BallSums sums;
+  HWY_DYNAMIC_DISPATCH(SumBall)(ball, 1 / (radius * radius), sums);
+  return sums;
+}
+
+FacingWeights project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples) {
+  FacingWeights weights;
+  samples.reserve(ball.padded());
+  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, &samples, weights);
+  return weights;
+}
+
+FacingWeights weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu) {
+  FacingWeights weights;
+  const BallFrame frame{{}, radius, 0, {}, {}, nu};
+  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, nullptr, weights);
+  return weights;
+}
+
+}  // namespace sansmesh::inline v1
+#endif
