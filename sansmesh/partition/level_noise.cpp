@@ -72,7 +72,7 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   }
 }
 
-double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+double find_noise(const BlockFitter& fitter, double samples, ScaleChoice& choice) {
   double evenness = 0;
   std::optional<int> level_of_estimate;  // the last one
   for (;; --choice.finest) {
@@ -87,7 +87,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       known += begin[c + 1] - begin[c];
     }
     // If few blocks hold enough samples, those are not typical.
-    if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
+    if (known >= kKnownNoise * samples) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
       level_of_estimate = choice.finest;

@@ -143,10 +143,11 @@ bool has_company(const SampleTree& tree, int level, double least) {
   return static_cast<std::size_t>(level) < company.size() && company[static_cast<std::size_t>(level)] >= least;
 }
 
-/// 1 for the cells of each level that must be tried to refit below some blocks: those blocks, the blocks around them on
-/// their level, whose risks they average over, all blocks below these, and around them the finest cells that noise is
-/// pooled over.
+/// 1 for the cells of each level that are tried.
 using Wanted = std::vector<std::vector<std::uint8_t>>;
+
+/// Those that must be tried to refit below some blocks: those blocks, the blocks around them on their level, whose risks
+/// they average over, all blocks below these, and around them the finest cells that noise is pooled over.
 Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int finest) {
   const auto levels = static_cast<std::size_t>(tree.depth()) + 1;
   Wanted wanted(levels);
@@ -175,6 +176,44 @@ Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int
     }
   }
   return wanted;
+}
+
+/// Blocks that represent the cloud in the choice of the widths of supports: a pilot costs a small part of trials of all
+/// blocks, which are then made once, with these widths.
+struct Pilot {
+  Wanted cells;        ///< empty: all
+  double samples = 0;  ///< number of samples in its cells of the finest level
+  const Wanted* wanted() const { return cells.empty() ? nullptr : &cells; }
+};
+/// Cells of the finest level in a pilot; clouds with less than four times as many are tried whole. Its blocks are this
+/// many levels coarser; if the noise needs fits more than kPilotGivesUp levels above the finest, all blocks are tried.
+constexpr std::size_t kPilotCells = 8000;
+constexpr int kPilotBlock = 4, kPilotGivesUp = 1;
+
+Pilot whole_cloud(const SampleTree& tree) { return {{}, static_cast<double>(tree.positions().size())}; }
+
+Pilot choose_pilot(const SampleTree& tree, int finest) {
+  const int level = finest - kPilotBlock;
+  const std::size_t cells = tree.level(finest).size(), every = cells / kPilotCells;
+  if (level < 0 || every < 4) return whole_cloud(tree);
+  Pilot pilot;
+  pilot.cells.resize(static_cast<std::size_t>(finest) + 1);
+  for (std::size_t l = 0; l < pilot.cells.size(); ++l) pilot.cells[l].resize(tree.level(static_cast<int>(l)).size());
+  // Chosen by its place, so that samples elsewhere do not change the choice.
+  const auto& code = tree.level(level).code;
+  for (std::size_t c = 0; c < code.size(); ++c)
+    pilot.cells[static_cast<std::size_t>(level)][c] = (code[c] * 0x9e3779b97f4a7c15u >> 32) % every == 0;
+  for (int l = level; l < finest; ++l) {
+    const auto& child = tree.level(l).child;
+    for (std::size_t p = 0; p < tree.level(l).size(); ++p)
+      for (std::uint32_t c = child[p]; c < child[p + 1]; ++c)
+        pilot.cells[static_cast<std::size_t>(l) + 1][c] = pilot.cells[static_cast<std::size_t>(l)][p];
+  }
+  const auto& begin = tree.level(finest).begin;
+  const std::vector<std::uint8_t>& wanted = pilot.cells[static_cast<std::size_t>(finest)];
+  for (std::size_t c = 0; c < wanted.size(); ++c)
+    if (wanted[c]) pilot.samples += begin[c + 1] - begin[c];
+  return pilot.samples > 0 ? pilot : whole_cloud(tree);
 }
 
 /// Tries blocks from the finest level up, because each block uses its children's results.
@@ -222,14 +261,14 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted
   });
 }
 
-/// Share of the samples in cells of the finest level with a second sheet.
-double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice) {
+/// Share of these samples in cells of the finest level with a second sheet.
+double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice, double samples) {
   const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
   const auto& begin = fitter.tree.level(choice.finest).begin;
   double two = 0;
   for (std::size_t c = 0; c < trials.size(); ++c)
     if (trials[c].dropped > kHoldsTwoSheets) two += begin[c + 1] - begin[c];
-  return two / static_cast<double>(fitter.tree.positions().size());
+  return two / samples;
 }
 
 /// Risks of degrees 1 .. kMaxDegree.
@@ -352,17 +391,27 @@ float noisiness(const ScaleBasis& basis) {
 
 ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress) {
   ScaleChoice choice;
-  int finest = choice.tried = choice.finest = finest_level(tree, options);
-  tree.build_levels(finest);
-  BlockFitter fitter{tree, options, static_cast<float>(options.support.value_or(kSupport)), finest};
-  try_blocks(fitter, choice, progress);
-  while (!options.max_depth && share_of_two_sheets(fitter, choice) > kThinCells &&
-         has_company(tree, finest + 1, kThinCompany)) {
-    finest = choice.tried = choice.finest = fitter.deepest = finest + 1;
-    tree.build_levels(finest);
-    try_blocks(fitter, choice, progress);
+  choice.tried = choice.finest = finest_level(tree, options);
+  tree.build_levels(choice.finest);
+  BlockFitter fitter{tree, options, static_cast<float>(options.support.value_or(kSupport)), choice.finest};
+  Pilot pilot = choose_pilot(tree, choice.finest);
+  try_blocks(fitter, choice, progress, pilot.wanted());
+  while (!options.max_depth && share_of_two_sheets(fitter, choice, pilot.samples) > kThinCells &&
+         has_company(tree, choice.finest + 1, kThinCompany)) {
+    choice.tried = choice.finest = fitter.deepest = choice.finest + 1;
+    tree.build_levels(choice.finest);
+    pilot = choose_pilot(tree, choice.finest);
+    try_blocks(fitter, choice, progress, pilot.wanted());
   }
-  const double evenness = find_noise(fitter, choice);
+  double evenness = find_noise(fitter, pilot.samples, choice);
+  const auto try_all = [&] {
+    choice.finest = choice.tried;
+    try_blocks(fitter, choice, progress);
+    pilot = whole_cloud(tree);
+    evenness = find_noise(fitter, pilot.samples, choice);
+  };
+  if (pilot.wanted() && choice.finest < choice.tried - kPilotGivesUp) try_all();
+  bool tried = !pilot.wanted();
   if (!options.support) {
     // If noise is as large as the spacing, wider supports make a more stable surface; if it is small, they blur.
     const double ratio = std::sqrt(choice.variance) / spacing_of(fitter, choice);
@@ -372,11 +421,10 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
       fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
       fitter.fit = static_cast<float>(kSupport + noisy * (kNoisyFit - kSupport));
       fitter.height = static_cast<float>(kNoiseHeight * std::sqrt(choice.variance));
-      choice.finest = finest;
-      try_blocks(fitter, choice, progress);
-      find_noise(fitter, choice);
+      tried = false;
     }
   }
+  if (!tried) try_all();
   choice.support = fitter.support, choice.fit = fitter.fit, choice.height = fitter.height;
   refit_finest(fitter, choice);
   progress.begin("choose scale");
