@@ -8,6 +8,7 @@
 // clang-format on
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "sansmesh/partition/ball_samples.h"
@@ -117,13 +118,13 @@ void SumBall(const BallSamples& ball, float inverse, BallSums& sums) {
   sums.weight = sum[6].total();
 }
 
-void ProjectBall(const BallSamples& ball, const BallFrame& frame, LocalSamples* samples, FacingWeights& weights) {
+void ProjectBall(const BallSamples& ball, const BallFrame& frame, LocalSamples* samples, BallView& view) {
   const F4 d;
   const V4 one = hn::Set(d, 1.0f), zero = hn::Zero(d), inverse = hn::Set(d, 1 / frame.scale);
   const V4 square = hn::Set(d, 1 / (frame.scale * frame.scale)), stretch = hn::Set(d, frame.stretch);
   const V4 mx = hn::Set(d, frame.middle.x), my = hn::Set(d, frame.middle.y), mz = hn::Set(d, frame.middle.z);
-  PartialSum kept, away;
-  V4 least = one;
+  PartialSum kept, away, centre[2];
+  V4 least = one, lower[2] = {one, one}, upper[2] = {hn::Neg(one), hn::Neg(one)};
   std::size_t n = 0;
   for (std::size_t i = 0; i < ball.size(); i += hn::Lanes(d)) {
     const V4 x = hn::LoadU(d, ball.position(0) + i), y = hn::LoadU(d, ball.position(1) + i),
@@ -145,14 +146,26 @@ void ProjectBall(const BallSamples& ball, const BallFrame& frame, LocalSamples* 
     kept.add(i, hn::IfThenElse(turned, zero, w));
     if (samples == nullptr) continue;
     const auto keep = hn::AndNot(turned, inside);
-    hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.xi), inverse), keep), d, samples->u() + n);
-    hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.eta), inverse), keep), d, samples->v() + n);
+    const V4 across[2] = {hn::Mul(Dot(x, y, z, frame.xi), inverse), hn::Mul(Dot(x, y, z, frame.eta), inverse)};
+    for (std::size_t a = 0; a < 2; ++a) {
+      lower[a] = hn::Min(lower[a], hn::IfThenElse(keep, across[a], lower[a]));
+      upper[a] = hn::Max(upper[a], hn::IfThenElse(keep, across[a], upper[a]));
+      centre[a].add(i, hn::IfThenElseZero(keep, hn::Mul(w, across[a])));
+    }
+    hn::StoreU(hn::Compress(across[0], keep), d, samples->u() + n);
+    hn::StoreU(hn::Compress(across[1], keep), d, samples->v() + n);
     hn::StoreU(hn::Compress(hn::Mul(Dot(x, y, z, frame.nu), inverse), keep), d, samples->w() + n);
     hn::StoreU(hn::Compress(w, keep), d, samples->weight() + n);
     n += hn::CountTrue(d, keep);
   }
   if (samples != nullptr) samples->resize(n);
-  weights = {kept.total(), away.total(), hn::GetLane(hn::MinOfLanes(d, least))};
+  view.kept = kept.total(), view.away = away.total();
+  view.least_cosine = hn::GetLane(hn::MinOfLanes(d, least));
+  for (std::size_t a = 0; a < 2; ++a) {
+    view.lower[a] = hn::GetLane(hn::MinOfLanes(d, lower[a]));
+    view.upper[a] = hn::GetLane(hn::MaxOfLanes(d, upper[a]));
+  }
+  if (view.kept > 0) view.eccentricity = std::hypot(centre[0].total(), centre[1].total()) / view.kept;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -199,18 +212,18 @@ BallSums sum_ball(const BallSamples& ball, float radius) {
   return sums;
 }
 
-FacingWeights project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples) {
-  FacingWeights weights;
+BallView project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples) {
+  BallView view;
   samples.reserve(ball.padded());
-  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, &samples, weights);
-  return weights;
+  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, &samples, view);
+  return view;
 }
 
-FacingWeights weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu) {
-  FacingWeights weights;
+BallView weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu) {
+  BallView view;
   const BallFrame frame{{}, radius, 0, {}, {}, nu};
-  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, nullptr, weights);
-  return weights;
+  HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, nullptr, view);
+  return view;
 }
 
 }  // namespace sansmesh::inline v1

@@ -65,16 +65,18 @@ struct BallFrame {
   Vec3f xi, eta, nu;
 };
 
-/// Weights of the samples in a ball whose normals agree with nu, and of those that face away.
-struct FacingWeights {
-  float kept = 0, away = 0;
-  float least_cosine = 1;  ///< between nu and a normal
+/// The samples in a ball, seen along nu.
+struct BallView {
+  float kept = 0, away = 0;  ///< weight of the samples whose normals agree with nu, and of those that face away
+  float least_cosine = 1;    ///< between nu and a normal
+  float lower[2] = {1, 1}, upper[2] = {-1, -1};  ///< box of the kept samples in the plane, over the scale
+  float eccentricity = 0;                        ///< distance of their centre of gravity from the centre
 };
 
 /// Replaces `samples` by those in the ball that face nu: in the frame's axes around the centre, divided by the scale.
-FacingWeights project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples);
+BallView project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples);
 
 /// The weights alone, in a ball around the centre.
-FacingWeights weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu);
+BallView weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu);
 
 }  // namespace sansmesh::inline v1

@@ -19,29 +19,15 @@ void set_normal(LocalFunction& f, const Vec3f& nu) {
 /// the weight that faces away.
 float project(const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
   const float stretch = height > f.scale ? f.scale * f.scale / (height * height) - 1 : 0;
-  const auto [kept, away, least] = project_ball(ws.ball, {middle, f.scale, stretch, f.xi, f.eta, f.nu}, ws.samples);
-  ws.least_cosine = least;
-  return kept + away > 0 ? away / (kept + away) : 0;
-}
-
-/// Distance of the samples' centre of gravity from the centre of the disc, relative to its radius: 0 in the interior of
-/// a surface, 0.28 at a straight border (with the weights (1 − t²)²).
-double eccentricity(const LocalSamples& s) {
-  double u = 0, v = 0, n = 0;
-  for (std::size_t i = 0; i < s.size(); ++i)
-    u += s.weight()[i] * s.u()[i], v += s.weight()[i] * s.v()[i], n += s.weight()[i];
-  return n > 0 ? std::hypot(u, v) / n : 0;
+  ws.view = project_ball(ws.ball, {middle, f.scale, stretch, f.xi, f.eta, f.nu}, ws.samples);
+  const float all = ws.view.kept + ws.view.away;
+  return all > 0 ? ws.view.away / all : 0;
 }
 
 }  // namespace
 
-double coverage(const LocalSamples& s) {
-  float lo[2] = {1, 1}, hi[2] = {-1, -1};
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    lo[0] = std::min(lo[0], s.u()[i]), hi[0] = std::max(hi[0], s.u()[i]);
-    lo[1] = std::min(lo[1], s.v()[i]), hi[1] = std::max(hi[1], s.v()[i]);
-  }
-  return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
+double coverage(const BallView& view) {
+  return std::max(0.0f, view.upper[0] - view.lower[0]) * std::max(0.0f, view.upper[1] - view.lower[1]) / 3.14159265;
 }
 
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
@@ -95,10 +81,11 @@ DegreeFits fit_local(float scale, int max_degree, Workspace& ws, LocalFunction& 
   return fits;
 }
 
-int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples) {
+int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const BallView& view) {
   int d = fits.highest;
-  if (d > 1 && eccentricity(samples) > options.max_eccentricity) return 1;
-  const double k = coverage(samples);
+  // 0 in the interior of a surface, 0.28 at a straight border (with the weights (1 − t²)²).
+  if (d > 1 && view.eccentricity > options.max_eccentricity) return 1;
+  const double k = coverage(view);
   while (d > 1 && k < options.coverage[static_cast<std::size_t>(d)]) --d;
   return d;
 }

@@ -58,7 +58,7 @@ constexpr float kExactReach = 0.25f;
 struct Workspace {
   BallSamples ball;
   LocalSamples samples;
-  float least_cosine = 1;  ///< between the last frame's normal and a sample's, over the ball
+  BallView view;  ///< of the samples
 };
 
 /// Distance from the block's centre, over its radius, that a ball shifted along the normal reaches: a surface through
@@ -87,11 +87,11 @@ DegreeFits fit_local(float scale, int max_degree, Workspace& ws, LocalFunction& 
                      float height = 0);
 
 /// Coverage k (tejada2008, 4.4.3): area of the box of the projected samples / area of the projected ball.
-double coverage(const LocalSamples& samples);
+double coverage(const BallView& view);
 
 /// Robustness tests (tejada2008, 4.4.3): curved polynomials only if the samples cover the support and surround its
 /// centre.
-int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples);
+int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const BallView& view);
 
 /// The given samples in the ball around a fitted function's centre, including those that face away, then those beyond
 /// it, with weight 0. Returns the number of the former.

@@ -32,7 +32,7 @@ constexpr float kAlikeCosine = 0.9962f;
 /// function; replaced by that of the crease, if found.
 std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoice& choice, const LocalFunction& f,
                                       double& smooth, FitWorkspace& ws) {
-  if (!fitter.options.sharp || ws.block.least_cosine > kAlikeCosine) return {};
+  if (!fitter.options.sharp || ws.block.view.least_cosine > kAlikeCosine) return {};
   if (smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
   const DegreeFits bendiest = fit_all_degrees(ws.block.samples, fitter.options.max_degree);
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
@@ -68,7 +68,7 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
     return sum / n;
   };
   const LocalFunction narrow = f;
-  const double own = left_over(narrow), freedom = kFreedom[static_cast<std::size_t>(narrow.degree)] / count;
+  const double own = square, freedom = kFreedom[static_cast<std::size_t>(narrow.degree)] / count;
   double risk = noise * freedom;
   for (std::size_t k = 0; k < std::size(kWider) && static_cast<int>(k) < leaf.level; ++k) {
     const float scale = kWider[k] * narrow.scale;
@@ -78,13 +78,14 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
     LocalFunction wide;
     const DegreeFits fits = fit_local(scale, fitter.options.max_degree, ws.block, wide);
     if (dot(wide.nu, narrow.nu) < kSameWay) break;
-    const int highest = highest_degree(fitter.options, fits, ws.block.samples);
+    const int highest = highest_degree(fitter.options, fits, ws.block.view);
     bool better = false;
     for (int d = 1; d <= highest; ++d) {
       const auto degree = static_cast<std::size_t>(d);
+      const double taken = kFreedom[degree] / fits.effective_count;
+      if (noise * taken >= kSteadier * risk) break;  // higher degrees take more
       wide.degree = d;
       wide.coefficient = monomial_coefficients(fits, d);
-      const double taken = kFreedom[degree] / fits.effective_count;
       const double bias = left_over(wide) - own - kForgiven * noise * (freedom - taken);
       const double expected = std::max(bias, 0.0) + noise * taken;
       if (expected >= kSteadier * risk) continue;
@@ -101,8 +102,8 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
 bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const LocalFunction& f, FitWorkspace& ws) {
   if (leaf.level == 0) return false;
   gather(fitter.tree, leaf.level - 1, ws.walk.parents(), f.center, f.radius, ws.block.ball);
-  const FacingWeights weights = weigh_ball(ws.block.ball, f.radius, f.nu);
-  return weights.away > kAnotherSheet * (weights.kept + weights.away);
+  const BallView view = weigh_ball(ws.block.ball, f.radius, f.nu);
+  return view.away > kAnotherSheet * (view.kept + view.away);
 }
 
 }  // namespace
@@ -130,7 +131,7 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   f.degree = t.degree;
   f.coefficient = monomial_coefficients(fits, t.degree);
   Support& support = result.support;
-  support.coverage = static_cast<float>(coverage(ws.block.samples));
+  support.coverage = static_cast<float>(coverage(ws.block.view));
   support.samples = static_cast<std::uint32_t>(ws.block.samples.size());
   double square = fits.mean_square[t.degree] * f.scale * f.scale;
   const bool noisy = noisiness(choice) > 0;

@@ -321,13 +321,13 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
         if (fits.highest >= 0) {
           LocalFunction& f = leaf.function;
           f.radius = old.radius;
-          f.degree = automatic ? highest_degree(data.options, fits, ws.samples) : std::min(degree, fits.highest);
+          f.degree = automatic ? highest_degree(data.options, fits, ws.view) : std::min(degree, fits.highest);
           lower += !automatic && f.degree < degree;
           f.coefficient = monomial_coefficients(fits, f.degree);
           leaf.support.state = Support::fitted;
           leaf.support.creased = 0;
           leaf.support.samples = static_cast<std::uint32_t>(ws.samples.size());
-          leaf.support.coverage = static_cast<float>(coverage(ws.samples));
+          leaf.support.coverage = static_cast<float>(coverage(ws.view));
           leaf.support.error =
               f.scale * std::sqrt(static_cast<float>(fits.mean_square[static_cast<std::size_t>(f.degree)]));
           set_surface_patch(f, c.lower, c.edge, leaf.support);

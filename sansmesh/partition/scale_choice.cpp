@@ -121,7 +121,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
       fit_local(scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
   record(fits, 1, scale, fitter.height, trial);
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
-  trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
+  trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.view));
   trial.effective_count = static_cast<float>(fits.effective_count);
   record(fits, trial.highest, scale, fitter.height, trial);
   return trial;

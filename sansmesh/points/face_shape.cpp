@@ -1,9 +1,11 @@
 #include "sansmesh/points/face_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
 #include <vector>
 
 #include "sansmesh/box.h"
@@ -36,7 +38,15 @@ constexpr double kThinShare = 0.03, kThinShareOfClosed = 0.003;
 constexpr double kAcross = 8;
 /// For closed meshes: samples across the thickness, whatever the share of thin parts.
 constexpr double kAcrossClosed = 4;
-constexpr std::size_t kLeastOfVertex = 2, kMostOfVertex = 2;
+constexpr double kLeastOfVertex = 2;
+constexpr std::size_t kMostOfVertex = 2;
+
+/// Sharp edges: of triangles that differ by more than 30°. A mesh has creases if at least this share of its vertices is
+/// on sharp edges, and most of these have two such edges, in line within 25°. Then its faces are sampled, with so many
+/// samples per vertex.
+constexpr float kCreaseCosine = 0.866f, kStraightCosine = -0.906f;
+constexpr double kCreasedShare = 0.02, kStraightShare = 0.7;
+constexpr double kOfCreasedVertex = 10;
 
 constexpr std::size_t kProbes = 4000;
 /// Largest depth of the opposite side, and largest lateral distance of its vertices, in longest edges.
@@ -141,6 +151,58 @@ bool is_dense(const PointSet& mesh, const Density& d) {
   return mesh.size() >= kEnoughVertices && d.sparse <= kSparseShare * d.area;
 }
 
+/// Edges of two triangles that differ by at least 30°.
+std::vector<std::array<std::uint32_t, 2>> sharp_edges(const PointSet& mesh) {
+  struct Side {
+    std::uint32_t low, high, triangle;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  std::vector<Vec3f> normal(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    if (!is_triangle(mesh, t)) continue;
+    normal[i] = Vec3f(normalized(doubled_area(mesh.positions, t)));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
+      sides.push_back({low, high, static_cast<std::uint32_t>(i)});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  std::vector<std::array<std::uint32_t, 2>> sharp;
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+    if (sides[i].low == sides[i + 1].low && sides[i].high == sides[i + 1].high &&
+        dot(normal[sides[i].triangle], normal[sides[i + 1].triangle]) < kCreaseCosine)
+      sharp.push_back({sides[i].low, sides[i].high});
+  return sharp;
+}
+
+/// Whether the mesh has creases, as of a machine part: many sharp edges, most of which continue straight at both ends.
+/// The normals of its vertices are means over faces that differ. Sharp edges of scans are short pieces.
+bool has_creases(const PointSet& mesh) {
+  const auto sharp = sharp_edges(mesh);
+  std::vector<std::array<std::uint32_t, 2>> beside(mesh.size());  // ends of the sharp edges of a vertex
+  std::vector<std::uint8_t> count(mesh.size(), 0);
+  for (const auto& e : sharp)
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::uint8_t& n = count[e[k]];
+      if (n < 2) beside[e[k]][n] = e[1 - k];
+      if (n < 3) ++n;
+    }
+  std::size_t creased = 0, straight = 0;
+  for (std::size_t v = 0; v < mesh.size(); ++v) {
+    creased += count[v] > 0;
+    if (count[v] != 2) continue;
+    const Vec3f p = mesh.positions[v];
+    straight += dot(normalized(mesh.positions[beside[v][0]] - p), normalized(mesh.positions[beside[v][1]] - p)) <
+                kStraightCosine;
+  }
+  return static_cast<double>(creased) > kCreasedShare * static_cast<double>(mesh.size()) &&
+         static_cast<double>(straight) > kStraightShare * static_cast<double>(creased);
+}
+
 }  // namespace
 
 FaceSides face_sides(const PointSet& mesh) {
@@ -204,12 +266,14 @@ std::size_t face_samples_wanted(const PointSet& mesh) {
   if (!(density.area > 0)) return 0;
   const ThinParts thin = find_thin_parts(mesh, density.limit);
   const bool closed = thin.share > kThinShareOfClosed && faces_are_closed(mesh);
-  if (thin.share <= (closed ? kThinShareOfClosed : kThinShare)) return 0;
-  const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
-  // The thin parts of a solid are joined by handles, however small their share.
-  const double spacing = thin.thickness / (closed ? kAcrossClosed : kAcross * thin.share);
-  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + density.area / (spacing * spacing);
-  return index_in<std::size_t>(wanted, 0, most);
+  const auto n = static_cast<double>(mesh.size());
+  double wanted = has_creases(mesh) ? kOfCreasedVertex * n : 0;
+  if (thin.share > (closed ? kThinShareOfClosed : kThinShare)) {
+    // The thin parts of a solid are joined by handles, however small their share.
+    const double spacing = thin.thickness / (closed ? kAcrossClosed : kAcross * thin.share);
+    wanted += kLeastOfVertex * n + density.area / (spacing * spacing);
+  }
+  return index_in<std::size_t>(wanted, 0, std::max(kFaceSamples, kMostOfVertex * mesh.size()));
 }
 
 }  // namespace sansmesh::inline v1
