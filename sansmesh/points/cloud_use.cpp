@@ -21,7 +21,7 @@ struct ClassWords {
 constexpr OptionRow kRows[] = {
     option<&CloudPreparation::faces>(
         {.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
-                 "auto (sample where vertices are sparse)",
+                 "auto (sample them if vertices are sparse, on creases or on thin parts)",
          .choices = kFaces}),
     option<&CloudPreparation::normals>(
         {.text = "Use given ones unchanged, estimate new ones, or auto (flip given ones if necessary)",

@@ -267,12 +267,11 @@ std::size_t face_samples_wanted(const PointSet& mesh) {
   const ThinParts thin = find_thin_parts(mesh, density.limit);
   const bool closed = thin.share > kThinShareOfClosed && faces_are_closed(mesh);
   const auto n = static_cast<double>(mesh.size());
-  double wanted = has_creases(mesh) ? kOfCreasedVertex * n : 0;
-  if (thin.share > (closed ? kThinShareOfClosed : kThinShare)) {
-    // The thin parts of a solid are joined by handles, however small their share.
-    const double spacing = thin.thickness / (closed ? kAcrossClosed : kAcross * thin.share);
-    wanted += kLeastOfVertex * n + density.area / (spacing * spacing);
-  }
+  const bool is_thin = thin.share > (closed ? kThinShareOfClosed : kThinShare), creased = has_creases(mesh);
+  // The thin parts of a solid are joined by handles, however small their share.
+  const double spacing = thin.thickness / (closed ? kAcrossClosed : kAcross * thin.share);
+  double wanted = creased ? kOfCreasedVertex * n : 0;
+  if (is_thin) wanted = creased ? kFaceSamples : kLeastOfVertex * n + density.area / (spacing * spacing);
   return index_in<std::size_t>(wanted, 0, std::max(kFaceSamples, kMostOfVertex * mesh.size()));
 }
 

@@ -94,7 +94,7 @@ FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<Note>& notes) {
     points.of_faces = true;
     if (!forced)
       notes.push_back(
-          {.code = "faces_sampled", .text = "its vertices alone are too sparse: its faces were sampled instead"});
+          {.code = "faces_sampled", .text = "its vertices alone do not describe it: its faces are sampled instead"});
   } else if (!points.has_normals()) {
     sides = face_sides(points);
     set_normals_from_faces(points);
