@@ -187,6 +187,61 @@ TEST(PartitionOfUnity, ReproducesCreases) {
   EXPECT_LT(sharp_error / 100, 1e-3);
 }
 
+/// The side of a prism with 24 facets, 15° apart, around z, with |z| < 1.
+TEST(PartitionOfUnity, KeepsTheEdgesOfFacets) {
+  constexpr int kFacets = 24;
+  constexpr double kStep = 2 * std::numbers::pi / kFacets;
+  const double half = std::tan(kStep / 2);
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> along(-1, 1);
+  PointSet cloud;
+  for (int i = 0; i < 20000; ++i) {
+    const double angle = kStep * (i % kFacets), across = half * along(generator);
+    const Vec3 n{std::cos(angle), std::sin(angle), 0}, side{-n.y, n.x, 0};
+    cloud.positions.push_back(Vec3f(n + side * across + Vec3{0, 0, 1} * along(generator)));
+    cloud.normals.push_back(Vec3f(n));
+  }
+  std::vector<Vec3> edges;
+  for (int i = 0; i < kFacets; ++i)
+    for (int k = -8; k <= 8; ++k) {
+      const double angle = kStep * (i + 0.5), r = 1 / std::cos(kStep / 2);
+      edges.push_back({r * std::cos(angle), r * std::sin(angle), 0.1 * k});
+    }
+  const auto error = [&](bool sharp) {
+    PartitionOptions options;
+    options.sharp = sharp;
+    std::vector<double> f(edges.size());
+    fit_cloud(cloud, options).evaluate(edges, f);
+    double squares = 0;
+    for (const double v : f) squares += v * v;
+    return std::sqrt(squares / static_cast<double>(f.size()));
+  };
+  EXPECT_LT(error(true), 0.4 * error(false));
+}
+
+TEST(PartitionOfUnity, WidensTheSupportsOfExactFunctions) {
+  const auto widest = [](const PartitionOfUnity& field) {
+    float most = 0;
+    for (std::size_t i = 0; i < field.data().supports.size(); ++i) {
+      const float block = field.data().edge / static_cast<float>(1u << field.data().supports[i].level);
+      most = std::max(most, field.data().functions[i].radius / (0.8660254f * block));
+    }
+    return most;
+  };
+  EXPECT_NEAR(widest(fit_cloud(test::cube(8000))), 1.25f * 1.5f, 1e-4f);
+  PartitionOptions options;
+  options.support = 1.5;
+  EXPECT_NEAR(widest(fit_cloud(test::cube(8000), options)), 1.5f, 1e-4f) << "as asked";
+}
+
+/// Enough samples for a pilot.
+TEST(PartitionOfUnity, APilotKnowsTheNoise) {
+  const PartitionOfUnity clean = fit_cloud(test::sphere(200000)), noisy = fit_cloud(test::sphere(200000, 0.005));
+  EXPECT_NEAR(clean.data().basis.support, 1.5, 1e-6);
+  EXPECT_GT(noisy.data().basis.support, 2);
+  EXPECT_NEAR(noisy.report().noise, 0.005, 0.0003);
+}
+
 TEST(PartitionOfUnity, SeesNoCreaseOnASmoothSurface) { EXPECT_EQ(fit_cloud(test::torus(20000)).report().creased, 0u); }
 
 TEST(PartitionOfUnity, FitsOnTheDeepestLevelHoweverDenseTheCloud) {
