@@ -31,7 +31,7 @@ double coverage(const BallView& view) {
 }
 
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
-            BallSamples& ball, std::size_t stride) {
+            GatheredSamples& ball, std::size_t stride) {
   const auto& begin = tree.level(level).begin;
   std::array<SampleRange, 27> ranges;
   std::size_t n = 0;
@@ -41,7 +41,7 @@ void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cel
 }
 
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                    const SampleTree::Neighbours& parents, BallSamples& ball) {
+                    const SampleTree::Neighbours& parents, GatheredSamples& ball) {
   const Vec3f c = fitter.center(level, cell);
   const float radius = fitter.fit_radius(level);
   const auto enough = [&](float r) { return ball.count(r) >= static_cast<std::size_t>(fitter.options.min_samples); };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/morton.h"
-#include "sansmesh/partition/ball_samples.h"
+#include "sansmesh/partition/gathered_samples.h"
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/partition/sample_tree.h"
@@ -56,9 +56,9 @@ constexpr float kExactReach = 0.25f;
 
 /// Buffers reused from block to block.
 struct Workspace {
-  BallSamples ball;
+  GatheredSamples ball;
   LocalSamples samples;
-  BallView view;  ///< of the samples
+  BallView view;  ///< the samples, seen from outside
 };
 
 /// Distance from the block's centre, over its radius, that a ball shifted along the normal reaches: a surface through
@@ -71,18 +71,18 @@ inline float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
 /// Collects the samples in a ball (every stride-th) from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
-            BallSamples& ball, std::size_t stride = 1);
+            GatheredSamples& ball, std::size_t stride = 1);
 
 /// Collects samples within the radius of a fit or, if these are too few, within up to twice that (the parent's ball).
 /// Returns the factor, or 0 if even that ball has too few samples.
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                    const SampleTree::Neighbours& parents, BallSamples& ball);
+                    const SampleTree::Neighbours& parents, GatheredSamples& ball);
 
-/// Fits all degrees around the centre of the samples in ws.ball. The frame's normal is the mean of the samples' normals,
-/// corrected if a first plane is tilted against it (noisy normals). The ball is shifted along the normal until the
-/// surface passes through its centre, because an off-centre ball would cut more noisy samples off on one side than on
-/// the other, a bias. `dropped` receives the share of the weight of samples that face away. `height`: if it exceeds the
-/// scale, the ball is stretched along the normal to this length.
+/// Fits all degrees around the centre of the samples in ws.ball. The frame's normal is the mean of the samples'
+/// normals, corrected if a first plane is tilted against it (noisy normals). The ball is shifted along the normal until
+/// the surface passes through its centre, because an off-centre ball would cut more noisy samples off on one side than
+/// on the other, a bias. `dropped` receives the share of the weight of samples that face away. `height`: if it exceeds
+/// the scale, the ball is stretched along the normal to this length.
 DegreeFits fit_local(float scale, int max_degree, Workspace& ws, LocalFunction& f, float* dropped = nullptr,
                      float height = 0);
 

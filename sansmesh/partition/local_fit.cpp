@@ -121,8 +121,8 @@ constexpr std::array<std::array<std::uint8_t, 15>, 15> kProduct = [] {
   std::array<std::array<std::uint8_t, 15>, 15> table{};
   for (std::size_t a = 0; a < 15; ++a)
     for (std::size_t b = 0; b < 15; ++b)
-      table[a][b] = static_cast<std::uint8_t>(
-          moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v));
+      table[a][b] =
+          static_cast<std::uint8_t>(moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v));
   return table;
 }();
 

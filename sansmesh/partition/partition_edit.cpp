@@ -201,7 +201,8 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
     }
   }
   for (const FittedLeaf& leaf : leaves)
-    if (leaf.support.creased) mark_crease(code, gap, data.edge, leaf.support.level, leaf.support.code, least_cosine(pieces_of(ref_of(leaf))));
+    if (leaf.support.creased)
+      mark_crease(code, gap, data.edge, leaf.support.level, leaf.support.code, least_cosine(pieces_of(ref_of(leaf))));
   for (std::size_t l = 0; l < levels; ++l) result[l].gap = std::move(gap[l]);
   return result;
 }

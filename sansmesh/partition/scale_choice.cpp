@@ -117,8 +117,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   }
   if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.fit_radius(level);
-  const DegreeFits fits =
-      fit_local(scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
+  const DegreeFits fits = fit_local(scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
   record(fits, 1, scale, fitter.height, trial);
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.view));
@@ -146,8 +145,8 @@ bool has_company(const SampleTree& tree, int level, double least) {
 /// 1 for the cells of each level that are tried.
 using Wanted = std::vector<std::vector<std::uint8_t>>;
 
-/// Those that must be tried to refit below some blocks: those blocks, the blocks around them on their level, whose risks
-/// they average over, all blocks below these, and around them the finest cells that noise is pooled over.
+/// Those that must be tried to refit below some blocks: those blocks, the blocks around them on their level, whose
+/// risks they average over, all blocks below these, and around them the finest cells that noise is pooled over.
 Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int finest) {
   const auto levels = static_cast<std::size_t>(tree.depth()) + 1;
   Wanted wanted(levels);

@@ -44,9 +44,9 @@ bool vertices_are_dense(const PointSet& mesh);
 /// Number of face samples required to describe a mesh, or 0 if its vertices suffice: they are dense, they are not on
 /// creases, where their normals are means over faces that differ, and hardly any area is so thin that vertices of the
 /// other side are equally close (`find_thin_parts`). Creases: sharp edges that continue in line, as those of machine
-/// parts; then ten per vertex. For a mesh that is too thin: enough samples for a spacing of a fraction of its thickness,
-/// at least two per vertex. A mesh with both: `kFaceSamples`. At most the larger of `kFaceSamples` and two per vertex. A closed mesh counts as thin from a
-/// smaller share of its area on.
+/// parts; then ten per vertex. For a mesh that is too thin: enough samples for a spacing of a fraction of its
+/// thickness, at least two per vertex. A mesh with both: `kFaceSamples`. At most the larger of `kFaceSamples` and two
+/// per vertex. A closed mesh counts as thin from a smaller share of its area on.
 std::size_t face_samples_wanted(const PointSet& mesh);
 
 }  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/vec.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 

@@ -18,7 +18,7 @@ struct SampleRange {
 };
 
 /// Samples in a ball, relative to its centre. Padded to a whole number of SIMD vectors with samples at infinity.
-class BallSamples {
+class GatheredSamples {
  public:
   static constexpr std::size_t kLanes = 4;  ///< on every instruction set, so that sums are equal
 
@@ -55,7 +55,7 @@ struct BallSums {
   Vec3f normal, offset;  ///< Σ w n, Σ w (p − centre)
   float weight = 0;
 };
-BallSums sum_ball(const BallSamples& ball, float radius);
+BallSums sum_ball(const GatheredSamples& ball, float radius);
 
 /// Frame of a projection: the middle of a ball relative to the samples' centre, its radius, and orthonormal axes.
 /// `stretch`: radius² / height² − 1 for a ball that is `height` long along nu, else 0.
@@ -74,9 +74,9 @@ struct BallView {
 };
 
 /// Replaces `samples` by those in the ball that face nu: in the frame's axes around the centre, divided by the scale.
-BallView project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples);
+BallView project_ball(const GatheredSamples& ball, const BallFrame& frame, LocalSamples& samples);
 
 /// The weights alone, in a ball around the centre.
-BallView weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu);
+BallView weigh_ball(const GatheredSamples& ball, float radius, const Vec3f& nu);
 
 }  // namespace sansmesh::inline v1

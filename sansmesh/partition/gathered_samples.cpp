@@ -1,7 +1,7 @@
 // Kernels of four lanes on every instruction set, without fused multiply-add: equal sums everywhere.
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sansmesh/partition/ball_samples.cpp"
+#define HWY_TARGET_INCLUDE "sansmesh/partition/gathered_samples.cpp"
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -11,14 +11,14 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/partition/ball_samples.h"
+#include "sansmesh/partition/gathered_samples.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F4 = hn::CappedTag<float, BallSamples::kLanes>;
+using F4 = hn::CappedTag<float, GatheredSamples::kLanes>;
 using U4 = hn::Rebind<std::uint32_t, F4>;
 using V4 = hn::Vec<F4>;
 
@@ -31,17 +31,17 @@ HWY_INLINE V4 Square(V4 x, V4 y, V4 z) { return hn::Add(hn::Add(hn::Mul(x, x), h
 
 /// A sum in four parts on every instruction set, of which sample i belongs to part i mod 4.
 struct PartialSum {
-  V4 part[BallSamples::kLanes];
+  V4 part[GatheredSamples::kLanes];
   PartialSum() {
     for (V4& p : part) p = hn::Zero(F4());
   }
   void add(std::size_t i, V4 v) {
-    V4& p = part[i % BallSamples::kLanes / hn::Lanes(F4())];
+    V4& p = part[i % GatheredSamples::kLanes / hn::Lanes(F4())];
     p = hn::Add(p, v);
   }
   float total() const {
-    HWY_ALIGN float lane[BallSamples::kLanes];
-    for (std::size_t i = 0; i < BallSamples::kLanes; i += hn::Lanes(F4()))
+    HWY_ALIGN float lane[GatheredSamples::kLanes];
+    for (std::size_t i = 0; i < GatheredSamples::kLanes; i += hn::Lanes(F4()))
       hn::Store(part[i / hn::Lanes(F4())], F4(), lane + i);
     return (lane[0] + lane[2]) + (lane[1] + lane[3]);
   }
@@ -49,7 +49,7 @@ struct PartialSum {
 
 /// Appends the samples of one range, of whose array `readable` samples may be read.
 HWY_INLINE void GatherRange(const float* positions, const float* normals, SampleRange range, std::size_t readable,
-                 const Vec3f& center, float limit, BallSamples& ball) {
+                            const Vec3f& center, float limit, GatheredSamples& ball) {
   const F4 d;
   const U4 du;
   const V4 cx = hn::Set(d, center.x), cy = hn::Set(d, center.y), cz = hn::Set(d, center.z), most = hn::Set(d, limit);
@@ -87,7 +87,7 @@ HWY_INLINE void GatherRange(const float* positions, const float* normals, Sample
 }
 
 void GatherRanges(const float* positions, const float* normals, const SampleRange* ranges, std::size_t count,
-                  std::size_t stride, std::size_t readable, float radius, BallSamples& ball) {
+                  std::size_t stride, std::size_t readable, float radius, GatheredSamples& ball) {
   const float limit = radius * radius;
   const Vec3f center = ball.center();
   for (std::size_t k = 0; k < count; ++k) {
@@ -97,7 +97,7 @@ void GatherRanges(const float* positions, const float* normals, const SampleRang
   }
 }
 
-void SumBall(const BallSamples& ball, float inverse, BallSums& sums) {
+void SumBall(const GatheredSamples& ball, float inverse, BallSums& sums) {
   const F4 d;
   const V4 one = hn::Set(d, 1.0f), scale = hn::Set(d, inverse);
   PartialSum sum[7];
@@ -118,7 +118,7 @@ void SumBall(const BallSamples& ball, float inverse, BallSums& sums) {
   sums.weight = sum[6].total();
 }
 
-void ProjectBall(const BallSamples& ball, const BallFrame& frame, LocalSamples* samples, BallView& view) {
+void ProjectBall(const GatheredSamples& ball, const BallFrame& frame, LocalSamples* samples, BallView& view) {
   const F4 d;
   const V4 one = hn::Set(d, 1.0f), zero = hn::Zero(d), inverse = hn::Set(d, 1 / frame.scale);
   const V4 square = hn::Set(d, 1 / (frame.scale * frame.scale)), stretch = hn::Set(d, frame.stretch);
@@ -178,15 +178,16 @@ HWY_EXPORT(GatherRanges);
 HWY_EXPORT(SumBall);
 HWY_EXPORT(ProjectBall);
 
-void BallSamples::reserve(std::size_t n) {
+void GatheredSamples::reserve(std::size_t n) {
   if (n + kLanes <= ids_.size()) return;
   const std::size_t room = 2 * n + 64;
   for (auto& row : rows_) row.resize(room);
   ids_.resize(room);
 }
 
-void BallSamples::gather(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
-                         std::span<const SampleRange> ranges, const Vec3f& center, float radius, std::size_t stride) {
+void GatheredSamples::gather(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                             std::span<const SampleRange> ranges, const Vec3f& center, float radius,
+                             std::size_t stride) {
   center_ = center;
   size_ = 0;
   std::size_t most = 0;
@@ -198,7 +199,7 @@ void BallSamples::gather(std::span<const Vec3f> positions, std::span<const Vec3f
     for (std::size_t r = 0; r < 6; ++r) rows_[r][i] = r < 3 ? std::numeric_limits<float>::infinity() : 0;
 }
 
-std::size_t BallSamples::count(float radius) const {
+std::size_t GatheredSamples::count(float radius) const {
   const float limit = radius * radius;
   std::size_t n = 0;
   for (std::size_t i = 0; i < size_; ++i)
@@ -206,20 +207,20 @@ std::size_t BallSamples::count(float radius) const {
   return n;
 }
 
-BallSums sum_ball(const BallSamples& ball, float radius) {
+BallSums sum_ball(const GatheredSamples& ball, float radius) {
   BallSums sums;
   HWY_DYNAMIC_DISPATCH(SumBall)(ball, 1 / (radius * radius), sums);
   return sums;
 }
 
-BallView project_ball(const BallSamples& ball, const BallFrame& frame, LocalSamples& samples) {
+BallView project_ball(const GatheredSamples& ball, const BallFrame& frame, LocalSamples& samples) {
   BallView view;
   samples.reserve(ball.padded());
   HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, &samples, view);
   return view;
 }
 
-BallView weigh_ball(const BallSamples& ball, float radius, const Vec3f& nu) {
+BallView weigh_ball(const GatheredSamples& ball, float radius, const Vec3f& nu) {
   BallView view;
   const BallFrame frame{{}, radius, 0, {}, {}, nu};
   HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, nullptr, view);
