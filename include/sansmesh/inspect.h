@@ -127,9 +127,9 @@ struct SANSMESH_API ComparedPoints {
 
 /// Report of compare().
 struct SANSMESH_API CompareReport {
-  MapSide on = MapSide::part;                 ///< side that carries the map
-  std::optional<double> within;               ///< as requested (length)
-  double diagonal = 0;                        ///< diagonal of the reference's bounding box (length)
+  MapSide on = MapSide::part;                      ///< side that carries the map
+  std::optional<double> within;                    ///< as requested (length)
+  double diagonal = 0;                             ///< diagonal of the reference's bounding box (length)
   std::optional<ComparedPoints> part_points;       ///< sampling of a part of points
   std::optional<ComparedPoints> reference_points;  ///< sampling of a reference of points
   std::optional<SurfaceAlignment> alignment;       ///< alignment of the part, if requested

@@ -144,9 +144,9 @@ const ReportSchema& CompareReport::schema() {
       reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
       reported<&CompareReport::diagonal>(
           {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-      reported<&CompareReport::part_points>({.name = "part.points", .text = "Sampling of a part of points"}),
+      reported<&CompareReport::part_points>({.name = "part.sampling", .text = "Sampling of a part of points"}),
       reported<&CompareReport::reference_points>(
-          {.name = "reference.points", .text = "Sampling of a reference of points"}),
+          {.name = "reference.sampling", .text = "Sampling of a reference of points"}),
       reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
       reported<[](const CompareReport& r) { return value_if(r.alignment.has_value(), r.motion.rows()); }>(
           {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};

@@ -70,8 +70,9 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   made.made_with.look.shadows = made.made_with.look.ground = false;
   reserve_width(made.made_with, scale);
   const bool cloud = compared.mesh.triangles.empty() && !map.feet.empty();
-  const Image image = cloud ? render_mesh(with_medians(compared.mesh, map, noise_of_mapped(compared.report)), made.made_with, progress)
-                            : render_mesh(compared.mesh, made.made_with, progress);
+  const Image image =
+      cloud ? render_mesh(with_medians(compared.mesh, map, noise_of_mapped(compared.report)), made.made_with, progress)
+            : render_mesh(compared.mesh, made.made_with, progress);
   made.image = beside_bar(image, scale, made.made_with);
   return made;
 }

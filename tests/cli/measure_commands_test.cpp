@@ -200,6 +200,10 @@ TEST_F(MeasureCommands, Compare) {
   EXPECT_NE(slurp(path("points.csv")).find("distance"), std::string::npos);
   const Json onto = json_of({"compare", "large.ply", "cloud.ply"});
   EXPECT_NEAR(onto["distance"]["mean"].get<double>(), 0.01, 2e-3);
+  EXPECT_GT(onto["reference"]["sampling"]["spacing"].get<double>(), 0.01);
+  EXPECT_LT(onto["reference"]["sampling"]["own_rms"].get<double>(), 0.01);
+  EXPECT_TRUE(points["part"]["sampling"]["noise_known"].get<bool>());
+  EXPECT_TRUE(reversed["part"]["sampling"].is_null());
 }
 
 TEST_F(MeasureCommands, CompareComplaints) {
