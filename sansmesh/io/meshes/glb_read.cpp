@@ -350,6 +350,8 @@ class GlbReader {
       in_.unread("normals of vertices whose faces have different ones");
     positions_.resize(kept);
     if (has_normals_) points_.normals.resize(kept);
+    if (std::all_of(points_.normals.begin(), points_.normals.end(), [](const Vec3f& n) { return n == Vec3f{}; }))
+      points_.normals.clear();
     if (has_colors_) points_.colors.resize(kept);
     for (auto& t : points_.triangles)
       for (std::uint32_t& v : t) v = number[joined[v]];
