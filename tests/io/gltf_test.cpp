@@ -325,7 +325,7 @@ TEST(Gltf, ErrorsNameTheirCause) {
   expect_of("repeats its meshes too often", [](json& d) {
     d["accessors"][0].erase("bufferView");
     d["accessors"][0]["count"] = 400000;
-    for (int i = 1; i < 12; ++i) d["nodes"].push_back({{"mesh", 0}}), d["scenes"][0]["nodes"].push_back(i);
+    for (int i = 1; i < 4; ++i) d["nodes"].push_back({{"mesh", 0}}), d["scenes"][0]["nodes"].push_back(i);
   });
 }
 
@@ -333,10 +333,10 @@ TEST(Gltf, CutAndFlippedFilesGiveOneError) {
   const Folder folder;
   for (const char* name : {"three", "sparse", "quantized"}) {
     const std::string whole = slurp(source_file(std::string("tests/data/two_solids_") + name + ".glb"));
-    for (std::size_t at = 1; at < whole.size(); at += 97)
+    for (std::size_t at = 1; at < whole.size(); at += 211)
       expect_unreadable(folder.put("cut.glb", whole.substr(0, at)), at < 4 ? "" : "truncated");
     std::mt19937 random(3);
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 150; ++i) {
       std::string damaged = whole;
       for (int k = 0; k < 1 + i % 3; ++k)
         damaged[random() % std::min<std::size_t>(whole.size(), 2600)] ^= static_cast<char>(1u << random() % 8);

@@ -26,7 +26,7 @@ using Kind = json::value_t;
 
 enum GltfMode : std::size_t { kGltfPoints = 0, kGltfTriangles = 4, kGltfStrip = 5, kGltfFan = 6 };
 /// Vertices of meshes that several nodes use: at most this, or so many times the size of the file in bytes.
-constexpr std::size_t kMostRepeated = 4000000, kMostRepeatedOfSize = 16;
+constexpr std::size_t kMostRepeated = 1000000, kMostRepeatedOfSize = 16;
 /// Cosine of 2.5 degrees: normals of one vertex in different triangles agree.
 constexpr float kSameNormal = 0.999f;
 
