@@ -15,6 +15,10 @@
 
 namespace sansmesh::inline v1 {
 
+namespace detail {
+enum class CurvatureSurface : std::uint8_t;
+}  // namespace detail
+
 /// Curvatures at points near a cloud (tejada2008, 4.2). Around x with normal n and tangent coordinates (u, v), each
 /// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖². By Euler's theorem χ₁ + χ₂ cos 2θ + χ₃ sin
 /// 2θ ≈ κ_i is a linear least-squares problem in three unknowns. Additions to the source: an offset and two slopes as
@@ -40,6 +44,7 @@ class CurvatureEstimator {
   std::vector<std::uint32_t> slot_of_;
   CurvatureOptions options_;
   int neighbours_ = 0;
+  detail::CurvatureSurface surface_{};
   std::size_t cloud_size_ = 0;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <numeric>
 #include <span>
 
@@ -13,12 +15,13 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/equal_positions.h"
-#include "sansmesh/surface/curvature_fit.h"
+#include "sansmesh/surface/curvature_choice.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::CurvatureFitter;
+using detail::CurvatureFitter, detail::CurvatureSurface, detail::CurvatureChoice, detail::kCurvatureSizes,
+    detail::TestedNeighbourhoods;
 
 /// Whole rings are added until they hold this share of the requested neighbours.
 constexpr double kMostOfNeighbours = 0.9;
@@ -83,9 +86,11 @@ class RingWalk {
   /// Neighbours of v from near to far, without v: whole rings until there are `enough`, of vertices that `keep(w)`
   /// accepts. Excludes hubs and the vertices behind them.
   template <class Keep>
-  const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep) {
+  const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep,
+                                           int least_rings = kLeastRings) {
     if (++round_ == 0) std::fill(seen_.begin(), seen_.end(), 0), round_ = 1;
     found_.clear();
+    ends.clear();
     seen_[v] = round_;
     std::size_t from = 0;
     const std::size_t most = std::max(kMostSpokes, 2 * enough);
@@ -99,12 +104,16 @@ class RingWalk {
       }
     };
     visit(v);
-    for (int ring = 1; from < found_.size() && (ring < kLeastRings || found_.size() < enough); ++ring) {
+    ends.push_back(found_.size());
+    for (int ring = 1; from < found_.size() && (ring < least_rings || found_.size() < enough); ++ring) {
       const std::size_t to = found_.size();
       for (; from < to; ++from) visit(found_[from]);
+      ends.push_back(found_.size());
     }
     return found_;
   }
+
+  std::vector<std::size_t> ends;  ///< number of neighbours in the first rings of the last walk
 
  private:
   const PositionGraph& graph_;
@@ -112,17 +121,96 @@ class RingWalk {
   std::uint32_t round_ = 0;
 };
 
-/// Fits all unknowns, and fewer if the neighbours do not determine them.
-FittedCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
-                                     std::span<const Vec3> offsets, double radius) {
-  for (CurvatureFitter* const fitter : fitters) {
-    fitter->start(normal);
-    for (const Vec3& d : offsets) fitter->add(d);
-    if (!fitter->fit(offsets.size(), radius)) continue;
-    if (const FittedCurvatures found = fitter->curvatures(); found.defined) return found;
-  }
-  return {};
+/// Whether a neighbour is on the same side of a thin rim.
+bool beside(const PositionGraph& graph, const Vec3& normal, std::uint32_t neighbour) {
+  return dot(normal, graph.normal[neighbour]) >= kRoundTheRim;
 }
+
+/// Neighbourhoods of a vertex: whole rings for the sizes that are compared.
+bool find_rings(const PointSet& mesh, const PositionGraph& graph, RingWalk& walk, std::uint32_t v,
+                TestedNeighbourhoods& to) {
+  to.normal = graph.normal[v];
+  if (!(squared_norm(to.normal) > 0)) return false;
+  const auto enough = [](std::size_t size) {
+    return static_cast<std::size_t>(kMostOfNeighbours * static_cast<double>(size));
+  };
+  const auto& around = walk.around(v, enough(kCurvatureSizes.back()), [](std::uint32_t) { return true; });
+  const Vec3 x(mesh.positions[v]);
+  to.offsets.emplace_back();  // the vertex itself
+  TestedNeighbourhoods::Part part{1, 0};
+  std::size_t from = 0, size = 0;
+  for (std::size_t ring = 0; ring < walk.ends.size(); ++ring) {
+    for (; from < walk.ends[ring]; ++from) {
+      if (!beside(graph, to.normal, around[from])) continue;
+      to.offsets.push_back(Vec3(mesh.positions[around[from]]) - x);
+      part.radius = std::max(part.radius, norm(to.offsets.back()));
+    }
+    part.count = to.offsets.size();
+    if (ring < to.rings.size()) to.rings[ring] = part;
+    while (ring + 1 >= kLeastRings && size < kCurvatureSizes.size() && walk.ends[ring] >= enough(kCurvatureSizes[size]))
+      to.parts[size++] = part;
+  }
+  return true;
+}
+
+CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph, double noise, bool only_quadrics) {
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh.size(); ++v)
+    if (graph.representative[v] == v) vertices.push_back(v);
+  const std::size_t tested = std::min(detail::kTestedCurvatures, vertices.size());
+  const auto make_finder = [&]() -> detail::FindNeighbourhoods {
+    return [&, walk = std::make_shared<RingWalk>(graph)](std::size_t i, TestedNeighbourhoods& to) {
+      return find_rings(mesh, graph, *walk, vertices[i * vertices.size() / tested], to);
+    };
+  };
+  return detail::choose_curvature(tested, make_finder, noise, only_quadrics);
+}
+
+/// Fits the chosen surface, or surfaces of fewer unknowns if the neighbours do not determine them.
+class VertexFitter {
+ public:
+  explicit VertexFitter(const CurvatureOptions& options)
+      : options_(options), through_(without_offset(options)), given_(without_slopes(options)) {}
+
+  FittedCurvatures fit(const Vec3& normal, std::span<const Vec3> offsets, double radius, CurvatureSurface surface) {
+    using Surface = CurvatureSurface;
+    if (surface == Surface::directional) return first_of({{&all_, surface}}, normal, offsets, radius);
+    if (surface == Surface::quartic)
+      if (const FittedCurvatures found =
+              first_of({{&all_, surface}, {&all_, Surface::quartic_through}}, normal, offsets, radius);
+          found.defined)
+        return found;
+    return first_of({{&all_, Surface::quadric}, {&no_offset_, Surface::quadric}, {&no_slopes_, Surface::quadric}},
+                    normal, offsets, radius);
+  }
+
+ private:
+  struct Attempt {
+    CurvatureFitter* fitter;
+    CurvatureSurface surface;
+  };
+  static CurvatureOptions without_offset(CurvatureOptions options) {
+    options.offset = false;
+    return options;
+  }
+  static CurvatureOptions without_slopes(CurvatureOptions options) {
+    options.offset = options.refit_normal = false;
+    return options;
+  }
+  static FittedCurvatures first_of(std::initializer_list<Attempt> attempts, const Vec3& normal,
+                                   std::span<const Vec3> offsets, double radius) {
+    for (const Attempt& attempt : attempts) {
+      attempt.fitter->start(normal);
+      for (const Vec3& d : offsets) attempt.fitter->add(d);
+      if (!attempt.fitter->fit(offsets.size(), radius, attempt.surface)) continue;
+      if (const FittedCurvatures found = attempt.fitter->curvatures(); found.defined) return found;
+    }
+    return {};
+  }
+
+  CurvatureOptions options_, through_, given_;
+  CurvatureFitter all_{options_}, no_offset_{through_}, no_slopes_{given_};
+};
 
 }  // namespace
 
@@ -137,42 +225,40 @@ std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, c
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
   if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
   const PositionGraph graph(mesh);
-  std::size_t enough = 0;
-  if (!options.bandwidth) {
-    PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
-    for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (graph.representative[v] == v)
-        distinct.positions.push_back(mesh.positions[v]), distinct.normals.push_back(Vec3f(graph.normal[v]));
-    const int wanted = options.neighbours ? *options.neighbours
-                                          : choose_curvature_neighbours(
-                                                distinct, options.noise ? *options.noise : known_noise(distinct));
-    enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
-  }
+  CurvatureChoice choice{static_cast<std::size_t>(options.neighbours.value_or(0)), CurvatureSurface::quadric};
+  if (!options.bandwidth && !options.neighbours)
+    choice =
+        choose_on_mesh(mesh, graph, options.noise ? *options.noise : known_noise(mesh), detail::only_quadrics(options));
+  const auto enough = static_cast<std::size_t>(kMostOfNeighbours * static_cast<double>(choice.neighbours));
   const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
-  CurvatureOptions through = options, given = options;
-  through.offset = given.offset = given.refit_normal = false;
   std::vector<FittedCurvatures> result(mesh.size());
   progress.begin("curvatures", mesh.size());
   parallel_ranges(0, mesh.size(), kLeastShare + mesh.size() / kShares, [&](std::size_t begin, std::size_t end) {
     RingWalk walk(graph);
-    CurvatureFitter all(options), no_offset(through), no_slopes(given);
-    CurvatureFitter* const fitters[] = {&all, &no_offset, &no_slopes};
+    VertexFitter fitter(options);
     std::vector<Vec3> offsets;
     for (std::size_t v = begin; v < end; ++v) {
       const Vec3 normal = graph.normal[v];
       if (graph.representative[v] != v || !(squared_norm(normal) > 0)) continue;
       const Vec3 x(mesh.positions[v]);
-      const auto& around = walk.around(
-          static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
-          [&](std::uint32_t w) { return !options.bandwidth || norm(Vec3(mesh.positions[w]) - x) <= within; });
-      offsets.clear();
-      double reach = 0;
-      for (const std::uint32_t w : around) {
-        if (dot(normal, graph.normal[w]) < kRoundTheRim) continue;
-        offsets.push_back(Vec3(mesh.positions[w]) - x);
-        reach = std::max(reach, norm(offsets.back()));
-      }
-      result[v] = fit_fewer_and_fewer(fitters, normal, offsets, options.bandwidth ? within : reach);
+      const auto fit = [&](int rings, CurvatureSurface surface) {
+        const auto& around = walk.around(
+            static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
+            [&](std::uint32_t w) { return !options.bandwidth || norm(Vec3(mesh.positions[w]) - x) <= within; }, rings);
+        offsets.clear();
+        if (surface == CurvatureSurface::quartic) offsets.emplace_back();  // the vertex itself
+        double reach = 0;
+        for (const std::uint32_t w : around) {
+          if (!beside(graph, normal, w)) continue;
+          offsets.push_back(Vec3(mesh.positions[w]) - x);
+          reach = std::max(reach, norm(offsets.back()));
+        }
+        return fitter.fit(normal, offsets, options.bandwidth ? within : reach, surface);
+      };
+      if (choice.surface == CurvatureSurface::directional) result[v] = fit(1, choice.surface);
+      if (!result[v].defined)
+        result[v] =
+            fit(kLeastRings, choice.surface == CurvatureSurface::quartic ? choice.surface : CurvatureSurface::quadric);
     }
     progress.advance(end - begin);
   });
