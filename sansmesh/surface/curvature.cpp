@@ -15,27 +15,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::CurvatureChoice, detail::kCurvatureSizes, detail::TestedNeighbourhoods;
+using detail::CurvatureChoice, detail::TestedNeighbourhoods;
 using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
 
 CurvatureChoice choose_on_tree(const KdTree& tree, const PointSet& points, double noise, bool only_quadrics) {
   const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
   const detail::FindNeighbourhoods find = [&](std::size_t p, TestedNeighbourhoods& to) {
-    const std::uint32_t sample = tree.order()[p * tree.size() / tested];
-    const Vec3f x = points.positions[sample];
-    to.normal = normalized(Vec3(points.normals[sample]));
-    if (!(squared_norm(to.normal) > 0)) return false;
-    std::vector<Neighbour> found(kCurvatureSizes.back());
-    found.resize(tree.nearest(x, found));
-    std::size_t seen = 0;
-    for (std::size_t size = 0; size < kCurvatureSizes.size() && kCurvatureSizes[size] <= found.size(); ++size) {
-      for (; seen < kCurvatureSizes[size]; ++seen) {
-        const std::uint32_t i = found[seen].index;
-        if (same_sheet(to.normal, points.normals[i])) to.offsets.emplace_back(points.positions[i] - x);
-      }
-      to.parts[size] = {to.offsets.size(), std::sqrt(static_cast<double>(found[seen - 1].squared_distance))};
-    }
-    return true;
+    return find_nearest(tree, points, tree.order()[p * tree.size() / tested], to);
   };
   return detail::choose_curvature(
       tested, [&] { return find; }, noise, only_quadrics);
@@ -64,7 +50,7 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
   }
   const CurvatureChoice choice = choose_on_tree(tree_, points, options.noise ? *options.noise : estimate_noise(points),
                                                 detail::only_quadrics(options));
-  neighbours_ = static_cast<int>(choice.neighbours);
+  neighbours_ = static_cast<int>(choice.neighbours > 0 ? choice.neighbours : detail::kDirectionalNeighbours);
   surface_ = choice.surface;
 }
 
@@ -135,11 +121,6 @@ std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress)
   });
   progress.finish();
   return result;
-}
-
-int choose_curvature_neighbours(const PointSet& points, double noise) {
-  if (points.normals.size() != points.size()) throw DataError("curvatures need normals; the cloud has none");
-  return static_cast<int>(choose_on_tree(KdTree(points.positions), points, noise, true).neighbours);
 }
 
 std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,

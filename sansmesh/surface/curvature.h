@@ -48,11 +48,6 @@ class CurvatureEstimator {
   std::size_t cloud_size_ = 0;
 };
 
-/// Number of neighbours with the least expected error of the curvatures, from a few hundred fits with 20 to 640
-/// neighbours. The error due to noise follows from the weights of the fit, the error due to shape from the change of
-/// the curvatures from one size to the next.
-int choose_curvature_neighbours(const PointSet& points, double noise);
-
 /// Curvatures at all samples; undefined where positions are not finite or normals are zero. Throws ArgumentError for
 /// invalid options, DataError for a cloud without normals.
 std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,

@@ -57,6 +57,9 @@ double median_change(const TestedFits& a, const TestedFits& b) {
   return values.empty() ? kNone : median(values);
 }
 
+/// Median of a sum of squared normal deviates over its mean (Wilson and Hilferty).
+double median_over_mean(double count) { return std::pow(std::max(0.3, 1 - 2 / (9 * count)), 3); }
+
 /// Expected squared errors of the curvatures, by size.
 struct ExpectedErrors {
   double least = std::numeric_limits<double>::infinity();
@@ -108,6 +111,30 @@ double noise_of_heights(std::span<const TestedFits> quartics, double noise) {
 
 }  // namespace
 
+bool find_nearest(const KdTree& tree, const PointSet& points, std::uint32_t sample, TestedNeighbourhoods& to) {
+  const Vec3f x = points.positions[sample];
+  to.normal = normalized(Vec3(points.normals[sample]));
+  if (!(squared_norm(to.normal) > 0)) return false;
+  std::vector<Neighbour> found(kCurvatureSizes.back());
+  found.resize(tree.nearest(x, found));
+  std::size_t seen = 0;
+  const auto add_to = [&](std::size_t count) {
+    for (; seen < count; ++seen) {
+      const std::uint32_t i = found[seen].index;
+      if (same_sheet(to.normal, points.normals[i])) to.offsets.emplace_back(points.positions[i] - x);
+    }
+    return TestedNeighbourhoods::Part{to.offsets.size(),
+                                      std::sqrt(static_cast<double>(found[count - 1].squared_distance))};
+  };
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::size_t count = (kDirectionalNeighbours - 1) * (k + 1) + 1;
+    if (count <= found.size()) to.rings[k] = add_to(count);
+  }
+  for (std::size_t size = 0; size < kCurvatureSizes.size() && kCurvatureSizes[size] <= found.size(); ++size)
+    to.parts[size] = add_to(kCurvatureSizes[size]);
+  return true;
+}
+
 bool only_quadrics(const CurvatureOptions& options) {
   return options.weights != CurvatureOptions::Weights::m_like || options.tau != 2 || !options.offset ||
          !options.refit_normal;
@@ -127,8 +154,9 @@ CurvatureChoice choose_curvature(std::size_t tested, const std::function<FindNei
     const FindNeighbourhoods find = make_finder();
     const auto fit = [&](const TestedNeighbourhoods::Part& part, CurvatureSurface surface, TestedFit& made) {
       if (part.count == 0 || !fitter.fit(part.count, part.radius, surface)) return;
-      made = {fitter.chi(), fitter.variance(part.count), fitter.residual_variance(part.count),
-              static_cast<double>(part.count)};
+      const double spare = static_cast<double>(part.count) - static_cast<double>(kQuarticUnknowns);
+      const double residual = spare >= 1 ? fitter.residual_variance(part.count) / median_over_mean(spare) : kNone;
+      made = {fitter.chi(), fitter.variance(part.count), residual, static_cast<double>(part.count)};
     };
     for (std::size_t p = first; p < last; ++p) {
       near = {};
@@ -138,6 +166,10 @@ CurvatureChoice choose_curvature(std::size_t tested, const std::function<FindNei
       for (std::size_t s = 0; s < kCount; ++s) {
         fit(near.parts[s], CurvatureSurface::quadric, quadrics[s][p]);
         fit(near.parts[s], CurvatureSurface::quartic, quartics[s][p]);
+      }
+      if (!near.along_edges.empty()) {
+        fitter.start(near.normal);
+        for (const Vec3& offset : near.along_edges) fitter.add(offset);
       }
       for (std::size_t r = 0; r < 2; ++r) fit(near.rings[r], CurvatureSurface::directional, rings[r][p]);
     }

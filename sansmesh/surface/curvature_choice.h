@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "sansmesh/point_set.h"
+#include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/curvature_fit.h"
 #include "sansmesh/vec.h"
 
@@ -25,13 +27,20 @@ struct TestedNeighbourhoods {
   Vec3 normal;
   std::vector<Vec3> offsets;  ///< from the sample to all neighbours, the smallest neighbourhood first
   std::array<Part, kCurvatureSizes.size()> parts;
-  std::array<Part, 2> rings;  ///< of a mesh: next vertices, and these with their next; without the vertex itself
+  std::array<Part, 2> rings;      ///< the next samples, and twice as far
+  std::vector<Vec3> along_edges;  ///< of a mesh: offsets that `rings` count instead
 };
 
 struct CurvatureChoice {
   std::size_t neighbours = kCurvatureSizes[0];
   CurvatureSurface surface = CurvatureSurface::quadric;
 };
+
+/// Samples for directional curvatures where there are no edges, with the sample itself.
+inline constexpr std::size_t kDirectionalNeighbours = 9;
+
+/// Nearest samples on the same sheet, for all sizes. False at samples without a normal.
+bool find_nearest(const KdTree& tree, const PointSet& points, std::uint32_t sample, TestedNeighbourhoods& to);
 
 /// Finds the neighbourhoods of tested sample i; false if it has none.
 using FindNeighbourhoods = std::function<bool(std::size_t i, TestedNeighbourhoods& found)>;

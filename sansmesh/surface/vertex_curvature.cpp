@@ -20,8 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::CurvatureFitter, detail::CurvatureSurface, detail::CurvatureChoice, detail::kCurvatureSizes,
-    detail::TestedNeighbourhoods;
+using detail::CurvatureFitter, detail::CurvatureSurface, detail::CurvatureChoice, detail::TestedNeighbourhoods;
 
 /// Whole rings are added until they hold this share of the requested neighbours.
 constexpr double kMostOfNeighbours = 0.9;
@@ -126,41 +125,36 @@ bool beside(const PositionGraph& graph, const Vec3& normal, std::uint32_t neighb
   return dot(normal, graph.normal[neighbour]) >= kRoundTheRim;
 }
 
-/// Neighbourhoods of a vertex: whole rings for the sizes that are compared.
-bool find_rings(const PointSet& mesh, const PositionGraph& graph, RingWalk& walk, std::uint32_t v,
-                TestedNeighbourhoods& to) {
-  to.normal = graph.normal[v];
-  if (!(squared_norm(to.normal) > 0)) return false;
-  const auto enough = [](std::size_t size) {
-    return static_cast<std::size_t>(kMostOfNeighbours * static_cast<double>(size));
-  };
-  const auto& around = walk.around(v, enough(kCurvatureSizes.back()), [](std::uint32_t) { return true; });
-  const Vec3 x(mesh.positions[v]);
-  to.offsets.emplace_back();  // the vertex itself
-  TestedNeighbourhoods::Part part{1, 0};
-  std::size_t from = 0, size = 0;
-  for (std::size_t ring = 0; ring < walk.ends.size(); ++ring) {
-    for (; from < walk.ends[ring]; ++from) {
-      if (!beside(graph, to.normal, around[from])) continue;
-      to.offsets.push_back(Vec3(mesh.positions[around[from]]) - x);
-      part.radius = std::max(part.radius, norm(to.offsets.back()));
-    }
-    part.count = to.offsets.size();
-    if (ring < to.rings.size()) to.rings[ring] = part;
-    while (ring + 1 >= kLeastRings && size < kCurvatureSizes.size() && walk.ends[ring] >= enough(kCurvatureSizes[size]))
-      to.parts[size++] = part;
-  }
-  return true;
-}
-
 CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph, double noise, bool only_quadrics) {
+  PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
   std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < mesh.size(); ++v)
-    if (graph.representative[v] == v) vertices.push_back(v);
-  const std::size_t tested = std::min(detail::kTestedCurvatures, vertices.size());
+  for (std::uint32_t v = 0; v < mesh.size(); ++v) {
+    if (graph.representative[v] != v) continue;
+    vertices.push_back(v);
+    distinct.positions.push_back(mesh.positions[v]), distinct.normals.push_back(Vec3f(graph.normal[v]));
+  }
+  const KdTree tree(distinct.positions);
+  const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
+  const auto find = [&](std::size_t i, RingWalk& walk, TestedNeighbourhoods& to) {
+    const std::uint32_t sample = tree.order()[i * tree.size() / tested], v = vertices[sample];
+    if (!find_nearest(tree, distinct, sample, to)) return false;
+    const auto& around = walk.around(v, 0, [](std::uint32_t) { return true; });
+    to.rings = {};
+    TestedNeighbourhoods::Part part;
+    for (std::size_t k = 0, ring = 0; ring < to.rings.size() && ring < walk.ends.size(); ++ring) {
+      for (; k < walk.ends[ring]; ++k) {
+        if (!beside(graph, to.normal, around[k])) continue;
+        to.along_edges.push_back(Vec3(mesh.positions[around[k]]) - Vec3(mesh.positions[v]));
+        part.radius = std::max(part.radius, norm(to.along_edges.back()));
+      }
+      part.count = to.along_edges.size();
+      to.rings[ring] = part;
+    }
+    return true;
+  };
   const auto make_finder = [&]() -> detail::FindNeighbourhoods {
     return [&, walk = std::make_shared<RingWalk>(graph)](std::size_t i, TestedNeighbourhoods& to) {
-      return find_rings(mesh, graph, *walk, vertices[i * vertices.size() / tested], to);
+      return find(i, *walk, to);
     };
   };
   return detail::choose_curvature(tested, make_finder, noise, only_quadrics);
