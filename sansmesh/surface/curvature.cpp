@@ -50,7 +50,7 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
   }
   const CurvatureChoice choice = choose_on_tree(tree_, points, options.noise ? *options.noise : estimate_noise(points),
                                                 detail::only_quadrics(options));
-  neighbours_ = static_cast<int>(choice.neighbours > 0 ? choice.neighbours : detail::kDirectionalNeighbours);
+  neighbours_ = static_cast<int>(choice.neighbours);
   surface_ = choice.surface;
 }
 

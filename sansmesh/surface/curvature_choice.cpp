@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <span>
 
@@ -18,8 +16,20 @@ constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that
 constexpr double kNone = -1;
 /// Ratio of sizes whose curvatures are compared.
 constexpr double kLarger = 1.2;
+/// Growth of the error of quartics due to shape: the third power of the radius of neighbourhoods without symmetry.
+constexpr double kQuarticOrder = 1.5;
+/// Share of the changes of the curvatures that noise explains, where it is taken for noise.
+constexpr double kMostlyNoise = 0.7;
+/// Ratio of the sizes of a quartic and a quadric that resolve the same details. Where the noise is not known, below
+/// this share of the residuals, details may be the noise: a larger quartic would remove them.
+constexpr std::size_t kSameDetail = 3;
+constexpr double kKnownNoise = 0.5;
+/// Share of the squared error due to noise that is negligible.
+constexpr double kLittleNoise = 0.1;
 /// Fits of more unknowns are chosen if their expected squared error is below this share.
 constexpr double kClearlyLess = 0.5;
+/// Expected relative error of quartics on samples that are too coarse for them.
+constexpr double kCoarseForQuartics = 0.1;
 
 /// A fit of one tested sample.
 struct TestedFit {
@@ -66,12 +76,13 @@ struct ExpectedErrors {
   std::size_t best = 0;
 };
 
-/// The error of neighbourhoods of growing size. `order`: the error due to shape grows with this power of the size.
-/// Stops at a relative error of `enough`.
-ExpectedErrors least_error(std::span<const TestedFits> fits, double noise, double order, double enough) {
+/// The error of neighbourhoods of growing size, of the first `sizes`. `order`: the error due to shape grows with this
+/// power of the size. Stops at a relative error of `enough`.
+ExpectedErrors least_error(std::span<const TestedFits> fits, double noise, double order, double enough,
+                           std::size_t sizes = kCount) {
   ExpectedErrors errors;
   double shape = 0;
-  for (std::size_t s = 0; s < fits.size(); ++s) {
+  for (std::size_t s = 0; s < std::min(sizes, fits.size()); ++s) {
     const double size = median_of(fits[s], &TestedFit::size);
     if (size < 0) continue;
     // Neighbourhoods of whole rings may be the same for two sizes.
@@ -92,8 +103,8 @@ ExpectedErrors least_error(std::span<const TestedFits> fits, double noise, doubl
   return errors;
 }
 
-/// Noise of the heights, at most `noise` or what quartics leave over. Their residuals hardly contain shape: if they
-/// grow with its power of the radius, the fifth, they are shape.
+/// Noise of the heights about quartics: `noise` within the limits of their residuals, which hardly contain shape. A
+/// residual that grows as shape does, with the fifth power of the radius, is shape.
 double noise_of_heights(std::span<const TestedFits> quartics, double noise) {
   for (std::size_t s = 0; s + 1 < quartics.size(); ++s) {
     const double here = median_of(quartics[s], &TestedFit::residual), size = median_of(quartics[s], &TestedFit::size);
@@ -109,6 +120,12 @@ double noise_of_heights(std::span<const TestedFits> quartics, double noise) {
   return noise;
 }
 
+/// Whether this noise causes most of the change of the curvatures between the smallest sizes.
+bool is_noise(std::span<const TestedFits> fits, double noise) {
+  const double variance = median_of(fits[0], &TestedFit::variance) - median_of(fits[1], &TestedFit::variance);
+  return noise * noise * variance > kMostlyNoise * median_change(fits[0], fits[1]);
+}
+
 }  // namespace
 
 bool find_nearest(const KdTree& tree, const PointSet& points, std::uint32_t sample, TestedNeighbourhoods& to) {
@@ -118,20 +135,13 @@ bool find_nearest(const KdTree& tree, const PointSet& points, std::uint32_t samp
   std::vector<Neighbour> found(kCurvatureSizes.back());
   found.resize(tree.nearest(x, found));
   std::size_t seen = 0;
-  const auto add_to = [&](std::size_t count) {
-    for (; seen < count; ++seen) {
+  for (std::size_t size = 0; size < kCurvatureSizes.size() && kCurvatureSizes[size] <= found.size(); ++size) {
+    for (; seen < kCurvatureSizes[size]; ++seen) {
       const std::uint32_t i = found[seen].index;
       if (same_sheet(to.normal, points.normals[i])) to.offsets.emplace_back(points.positions[i] - x);
     }
-    return TestedNeighbourhoods::Part{to.offsets.size(),
-                                      std::sqrt(static_cast<double>(found[count - 1].squared_distance))};
-  };
-  for (std::size_t k = 0; k < 2; ++k) {
-    const std::size_t count = (kDirectionalNeighbours - 1) * (k + 1) + 1;
-    if (count <= found.size()) to.rings[k] = add_to(count);
+    to.parts[size] = {to.offsets.size(), std::sqrt(static_cast<double>(found[seen - 1].squared_distance))};
   }
-  for (std::size_t size = 0; size < kCurvatureSizes.size() && kCurvatureSizes[size] <= found.size(); ++size)
-    to.parts[size] = add_to(kCurvatureSizes[size]);
   return true;
 }
 
@@ -167,40 +177,35 @@ CurvatureChoice choose_curvature(std::size_t tested, const std::function<FindNei
         fit(near.parts[s], CurvatureSurface::quadric, quadrics[s][p]);
         fit(near.parts[s], CurvatureSurface::quartic, quartics[s][p]);
       }
-      if (!near.along_edges.empty()) {
-        fitter.start(near.normal);
-        for (const Vec3& offset : near.along_edges) fitter.add(offset);
-      }
+      fitter.start(near.normal);
+      for (const Vec3& offset : near.along_edges) fitter.add(offset);
       for (std::size_t r = 0; r < 2; ++r) fit(near.rings[r], CurvatureSurface::directional, rings[r][p]);
     }
   });
 
-  if (std::getenv("CURV")) {
-    const auto show = [&](const char* name, const TestedFits& f, const TestedFits* next) {
-      std::fprintf(stderr, "%-9s n %5.0f  res %.3g  var %.3g  size %.3g  change %.3g\n", name,
-                   median_of(f, &TestedFit::size), std::sqrt(std::max(0.0, median_of(f, &TestedFit::residual))),
-                   std::sqrt(std::max(0.0, median_of(f, &TestedFit::variance))), std::sqrt(median_square(f)),
-                   next ? std::sqrt(std::max(0.0, median_change(f, *next))) : 0.0);
-    };
-    std::fprintf(stderr, "noise %.3g\n", noise);
-    show("ring", rings[0], &rings[1]), show("ring", rings[1], nullptr);
-    for (std::size_t s = 0; s < kCount; ++s) show("quadric", quadrics[s], s + 1 < kCount ? &quadrics[s + 1] : nullptr);
-    for (std::size_t s = 0; s < kCount; ++s) show("quartic", quartics[s], s + 1 < kCount ? &quartics[s + 1] : nullptr);
-  }
-
-  noise = noise_of_heights(quartics, noise);
+  const double heights = noise_of_heights(quartics, noise), given = noise;
+  // Where the noise is unknown, the residuals of coarse samples may be shape. More unknowns need more certainty than
+  // larger neighbourhoods.
+  if (!only_quadrics) noise = is_noise(quadrics, heights) ? heights : std::min(noise, heights);
   const ExpectedErrors quadric = least_error(quadrics, noise, 1, kGoodEnough);
-  const ExpectedErrors quartic = least_error(quartics, noise, 1.5, kGoodEnough / 20);
-  const ExpectedErrors ring = least_error(rings, noise, 1, 0);
   CurvatureChoice choice{kCurvatureSizes[quadric.best], CurvatureSurface::quadric};
   if (only_quadrics) return choice;
-  double least = kClearlyLess * quadric.least;
-  if (quartic.least < least) least = quartic.least, choice = {kCurvatureSizes[quartic.best], CurvatureSurface::quartic};
-  if (ring.least < least) choice = {0, CurvatureSurface::directional};
-  if (std::getenv("CURV"))
-    std::fprintf(stderr, "noise %.3g: quadric %.3g at %zu, quartic %.3g at %zu, ring %.3g\n", noise,
-                 std::sqrt(quadric.least), kCurvatureSizes[quadric.best], std::sqrt(quartic.least),
-                 kCurvatureSizes[quartic.best], std::sqrt(ring.least));
+  std::size_t sizes = kCount;
+  if (given < kKnownNoise * heights)
+    while (sizes > quadric.best + 1 && kCurvatureSizes[sizes - 1] > kSameDetail * choice.neighbours) --sizes;
+  const ExpectedErrors quartic = least_error(quartics, heights, kQuarticOrder, kGoodEnough / 20, sizes);
+  const ExpectedErrors ring = least_error(rings, heights, 1, 0);
+  // Without any change the heights are on planes: steps of a sensor, whose residuals reveal no noise.
+  double least = quadric.least, share = kClearlyLess;
+  if (quartic.least > 0 && quartic.least < share * least) {
+    least = quartic.least;
+    choice = {kCurvatureSizes[quartic.best], CurvatureSurface::quartic};
+    choice.exact = heights * heights * median_of(quartics[quartic.best], &TestedFit::variance) < kLittleNoise * least;
+    // On the rings of a mesh quartics are better than on the nearest vertices, unless the mesh is too coarse for them.
+    const bool coarse = least > kCoarseForQuartics * kCoarseForQuartics * median_square(quartics[quartic.best]);
+    share = coarse ? 1 : 0.1 * kClearlyLess;
+  }
+  if (ring.least > 0 && ring.least < share * least) choice = {0, CurvatureSurface::directional};
   return choice;
 }
 

@@ -27,17 +27,16 @@ struct TestedNeighbourhoods {
   Vec3 normal;
   std::vector<Vec3> offsets;  ///< from the sample to all neighbours, the smallest neighbourhood first
   std::array<Part, kCurvatureSizes.size()> parts;
-  std::array<Part, 2> rings;      ///< the next samples, and twice as far
-  std::vector<Vec3> along_edges;  ///< of a mesh: offsets that `rings` count instead
+  // Of a mesh:
+  std::vector<Vec3> along_edges;  ///< offsets to the next vertices, then to their next
+  std::array<Part, 2> rings;      ///< the first, and both
 };
 
 struct CurvatureChoice {
   std::size_t neighbours = kCurvatureSizes[0];
   CurvatureSurface surface = CurvatureSurface::quadric;
+  bool exact = false;  ///< noise contributes little to the error of a quartic, so it may pass through the samples
 };
-
-/// Samples for directional curvatures where there are no edges, with the sample itself.
-inline constexpr std::size_t kDirectionalNeighbours = 9;
 
 /// Nearest samples on the same sheet, for all sizes. False at samples without a normal.
 bool find_nearest(const KdTree& tree, const PointSet& points, std::uint32_t sample, TestedNeighbourhoods& to);

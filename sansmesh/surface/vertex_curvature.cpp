@@ -139,7 +139,6 @@ CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph,
     const std::uint32_t sample = tree.order()[i * tree.size() / tested], v = vertices[sample];
     if (!find_nearest(tree, distinct, sample, to)) return false;
     const auto& around = walk.around(v, 0, [](std::uint32_t) { return true; });
-    to.rings = {};
     TestedNeighbourhoods::Part part;
     for (std::size_t k = 0, ring = 0; ring < to.rings.size() && ring < walk.ends.size(); ++ring) {
       for (; k < walk.ends[ring]; ++k) {
@@ -168,7 +167,8 @@ class VertexFitter {
 
   FittedCurvatures fit(const Vec3& normal, std::span<const Vec3> offsets, double radius, CurvatureSurface surface) {
     using Surface = CurvatureSurface;
-    if (surface == Surface::directional) return first_of({{&all_, surface}}, normal, offsets, radius);
+    if (surface == Surface::directional || surface == Surface::quartic_through)
+      return first_of({{&all_, surface}}, normal, offsets, radius);
     if (surface == Surface::quartic)
       if (const FittedCurvatures found =
               first_of({{&all_, surface}, {&all_, Surface::quartic_through}}, normal, offsets, radius);
@@ -249,10 +249,11 @@ std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, c
         }
         return fitter.fit(normal, offsets, options.bandwidth ? within : reach, surface);
       };
-      if (choice.surface == CurvatureSurface::directional) result[v] = fit(1, choice.surface);
+      using Surface = CurvatureSurface;
+      if (choice.surface == Surface::directional) result[v] = fit(1, choice.surface);
+      if (choice.exact) result[v] = fit(kLeastRings, Surface::quartic_through);
       if (!result[v].defined)
-        result[v] =
-            fit(kLeastRings, choice.surface == CurvatureSurface::quartic ? choice.surface : CurvatureSurface::quadric);
+        result[v] = fit(kLeastRings, choice.surface == Surface::quartic ? choice.surface : Surface::quadric);
     }
     progress.advance(end - begin);
   });
