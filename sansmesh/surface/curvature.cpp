@@ -18,6 +18,9 @@ namespace {
 using detail::CurvatureChoice, detail::TestedNeighbourhoods;
 using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
 
+/// Factor of the neighbours where too few are on the sheet of a sample.
+constexpr std::size_t kMoreNeighbours = 4;
+
 CurvatureChoice choose_on_tree(const KdTree& tree, const PointSet& points, double noise, bool only_quadrics) {
   const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
   const detail::FindNeighbourhoods find = [&](std::size_t p, TestedNeighbourhoods& to) {
@@ -94,14 +97,20 @@ std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress)
     CurvatureFitter fitter(options_);
     const auto fit = [&](std::size_t slot, std::span<const Neighbour> found, bool slots, double radius) {
       const Vec3 normal(normals_[slot]);
-      if (squared_norm(normal) == 0) return;
+      if (squared_norm(normal) == 0) return true;
       fitter.start(normal);
       std::size_t count = 0;
       for (const Neighbour& neighbour : found) {
         const std::size_t s = slots ? neighbour.index : slot_of_[neighbour.index];
         if (same_sheet(normal, normals_[s])) fitter.add(Vec3(positions_[s] - positions_[slot])), ++count;
       }
-      if (fitter.fit_or_quadric(count, radius, surface_)) result[tree_.order()[slot]] = fitter.curvatures();
+      const bool made = fitter.fit_or_quadric(count, radius, surface_);
+      if (made) result[tree_.order()[slot]] = fitter.curvatures();
+      return made;
+    };
+    std::vector<Neighbour> more;
+    const auto radius_of = [](std::span<const Neighbour> found) {
+      return std::sqrt(static_cast<double>(found.back().squared_distance));
     };
     if (options_.bandwidth) {
       std::vector<Neighbour> found;
@@ -113,8 +122,11 @@ std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress)
     } else {
       tree_.for_each_nearest(static_cast<std::size_t>(neighbours_), first, last,
                              [&](std::uint32_t slot, std::span<const Neighbour> found) {
-                               if (found.empty()) return;
-                               fit(slot, found, true, std::sqrt(static_cast<double>(found.back().squared_distance)));
+                               if (found.empty() || fit(slot, found, true, radius_of(found))) return;
+                               // Most of the nearest samples may be on the other side of a thin wall.
+                               more.resize(kMoreNeighbours * static_cast<std::size_t>(neighbours_));
+                               more.resize(tree_.nearest(positions_[slot], more));
+                               fit(slot, more, false, radius_of(more));
                              });
     }
     progress.advance(last - first);
