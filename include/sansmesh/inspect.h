@@ -215,8 +215,9 @@ struct SANSMESH_API SectionOptions {
   std::vector<CutPlane> planes = {};     ///< single planes
   std::optional<SectionAxis> axis = {};  ///< axis of the series; default: no series
   std::optional<double> first = {};      ///< position of the first plane of the series (length)
-  std::optional<double> interval =
-      {};                         ///< distance between successive planes (length, not 0); default: spread over the box
+  /// Distance between successive planes (length, not 0; negative: downwards). Default: spread over the box, or from
+  /// `first` to its upper end.
+  std::optional<double> interval = {};
   std::optional<int> count = {};  ///< 1..100000; default: 1, or as many intervals as fit into the box
   /// For functions and isosurfaces: lattice squares along the longer side of the box, 2..4096.
   std::optional<int> resolution = {};

@@ -62,8 +62,9 @@ TEST_F(MeasureCommands, SectionComplaints) {
                    "--first must be finite");
     expect_failure({"section", "ball.ply", "--axis", "z", "--first", bad}, 2, "--first must be finite");
   }
-  expect_failure({"section", "ball.ply", "--axis", "z", "--first", "0", "--count", "3"}, 2, "--interval");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--first", "9", "--count", "3"}, 2, "--interval");
   expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "1e-320"}, 2, "planes");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "1e-6"}, 2, "--interval 1e-06 makes more than");
   EXPECT_EQ(json_of({"section", "ball.ply", "--axis", "z", "--interval", "1e308"})["planes"].size(), 1u);
   expect_failure({"section", "ball.ply", "--axis", "q"}, 2, "--axis");
   expect_failure({"section", "ball.ply", "-o", "x.png"}, 1, "x.png");

@@ -108,6 +108,10 @@ TEST(SectionJob, ChoosesPlanes) {
   EXPECT_EQ(heights({.axis = SectionAxis::z, .count = 3}), (std::vector<double>{-0.5, 0, 0.5}));
   EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 0.5}), (std::vector<double>{-0.75, -0.25, 0.25, 0.75}));
   EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = -0.5}), (std::vector<double>{0.75, 0.25, -0.25, -0.75}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 0.5, .count = 2}), (std::vector<double>{-0.75, -0.25}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = -0.5, .count = 2}), (std::vector<double>{0.75, 0.25}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .first = -0.5, .count = 3}), (std::vector<double>{-0.5, 0, 0.5}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 100}), (std::vector<double>{0}));
   EXPECT_EQ(heights({.planes = {parse_plane("z=0.25")}, .axis = SectionAxis::y, .first = 0.1}),
             (std::vector<double>{0.25, 0.1}));
 }
@@ -129,7 +133,7 @@ TEST(SectionJob, BadOptions) {
   const AnySurface ball(octasphere(1), "ball.ply");
   EXPECT_THROW(section(ball, {.interval = 1}, progress), ArgumentError);
   EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .interval = 0}, progress), ArgumentError);
-  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .first = 0, .count = 2}, progress), ArgumentError);
+  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .first = 1, .count = 2}, progress), ArgumentError);
   EXPECT_THROW(section(ball, {.resolution = 100}, progress), ArgumentError);
   EXPECT_THROW(section({points_of(octasphere(1)), "points"}, {}, progress), DataError);
 }
