@@ -34,7 +34,7 @@ constexpr double kCoarseForQuartics = 0.1;
 /// A fit of one tested sample.
 struct TestedFit {
   std::array<double, 3> chi{};
-  double variance = kNone;  ///< of the curvatures for heights of unit variance; kNone without a fit
+  double variance = kNone;  ///< variance of the curvatures for heights of unit variance; kNone without a fit
   double residual = kNone;  ///< variance of the heights about the fitted surface
   double size = 0;          ///< number of neighbours
 };

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/meshes/face_sink.h"
-#include "sansmesh/io/meshes/gltf_document.h"
+#include "sansmesh/io/meshes/gltf_document-inl.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
@@ -22,7 +23,6 @@ namespace sansmesh::inline v1::io {
 namespace {
 
 using nlohmann::json;
-using Kind = json::value_t;
 
 enum GltfMode : std::size_t { kGltfPoints = 0, kGltfTriangles = 4, kGltfStrip = 5, kGltfFan = 6 };
 /// Vertices of meshes that several nodes use: at most this, or so many times the size of the file in bytes.
@@ -75,7 +75,7 @@ class GltfScene {
  private:
   std::vector<std::size_t> children(const json& of, const char* key) const {
     std::vector<std::size_t> found;
-    if (const json* const list = document_.member(of, key, Kind::array))
+    if (const json* const list = document_.member(of, key, JsonKind::list))
       for (const json& index : *list) {
         if (!index.is_number_unsigned())
           in_.fail(fmt::format("malformed glTF: '{}' has an entry that is no index", key));
@@ -165,7 +165,7 @@ class GlbReader {
   const json& primitives_of(const PlacedMesh& placed) const {
     static const json kNone = json::array();
     const json* const all =
-        document_.member(document_.object("meshes", placed.mesh, "a node"), "primitives", Kind::array);
+        document_.member(document_.object("meshes", placed.mesh, "a node"), "primitives", JsonKind::list);
     if (!all) return kNone;
     for (const json& primitive : *all)
       if (!primitive.is_object()) in_.fail("malformed glTF: a primitive is not an object");
@@ -179,7 +179,7 @@ class GlbReader {
       (mode == kGltfPoints ? points_left_ : lines_left_) = true;
       return;
     }
-    const json* const attributes = document_.member(primitive, "attributes", Kind::object);
+    const json* const attributes = document_.member(primitive, "attributes", JsonKind::object);
     const auto which = attributes ? document_.whole(*attributes, "POSITION") : std::nullopt;
     if (!which) return;
     check_compression(primitive, *which);
@@ -234,7 +234,7 @@ class GlbReader {
     std::array<double, 3> factor{1, 1, 1};
     if (const auto material = document_.whole(primitive, "material")) {
       const json& described = document_.object("materials", *material, "a primitive");
-      if (const json* const look = document_.member(described, "pbrMetallicRoughness", Kind::object)) {
+      if (const json* const look = document_.member(described, "pbrMetallicRoughness", JsonKind::object)) {
         if (const auto base = document_.numbers(*look, "baseColorFactor", 4))
           std::copy_n(base->begin(), 3, factor.begin());
       }
