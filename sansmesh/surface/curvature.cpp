@@ -23,11 +23,12 @@ constexpr std::size_t kMoreNeighbours = 4;
 
 CurvatureChoice choose_on_tree(const KdTree& tree, const PointSet& points, double noise, bool only_quadrics) {
   const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
-  const detail::FindNeighbourhoods find = [&](std::size_t p, TestedNeighbourhoods& to) {
-    return find_nearest(tree, points, tree.order()[p * tree.size() / tested], to);
+  const auto make_finder = [&]() -> detail::FindNeighbourhoods {
+    return [&](std::size_t p, TestedNeighbourhoods& to) {
+      return find_nearest(tree, points, tree.order()[p * tree.size() / tested], to);
+    };
   };
-  return detail::choose_curvature(
-      tested, [&] { return find; }, noise, only_quadrics);
+  return detail::choose_curvature(tested, make_finder, noise, only_quadrics);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ struct Made {
     binary += bytes;
     return document["bufferViews"].size() - 1;
   }
-  std::size_t accessor(std::size_t view, std::size_t count, int component, const char* type, json more = {}) {
+  std::size_t accessor(std::size_t view, std::size_t count, int component, const char* type, const json& more = {}) {
     json made = {{"bufferView", view}, {"count", count}, {"componentType", component}, {"type", type}};
     if (!more.is_null()) made.update(more);
     document["accessors"].push_back(made);
