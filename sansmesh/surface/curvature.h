@@ -22,7 +22,8 @@ enum class CurvatureSurface : std::uint8_t;
 /// Curvatures at points near a cloud (tejada2008, 4.2). Around x with normal n and tangent coordinates (u, v), each
 /// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖². By Euler's theorem χ₁ + χ₂ cos 2θ + χ₃ sin
 /// 2θ ≈ κ_i is a linear least-squares problem in three unknowns. Additions to the source: an offset and two slopes as
-/// further unknowns, and a neighbourhood chosen from the data.
+/// further unknowns, terms of third and fourth degree for samples without noise, and a neighbourhood chosen from the
+/// data (curvature_choice.h).
 class CurvatureEstimator {
  public:
   /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.

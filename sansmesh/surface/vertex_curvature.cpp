@@ -125,7 +125,7 @@ bool beside(const PositionGraph& graph, const Vec3& normal, std::uint32_t neighb
   return dot(normal, graph.normal[neighbour]) >= kRoundTheRim;
 }
 
-CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph, double noise, bool only_quadrics) {
+CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph, const CurvatureOptions& options) {
   PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
   std::vector<std::uint32_t> vertices;
   for (std::uint32_t v = 0; v < mesh.size(); ++v) {
@@ -156,7 +156,8 @@ CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph,
       return find(i, *walk, to);
     };
   };
-  return detail::choose_curvature(tested, make_finder, noise, only_quadrics);
+  return detail::choose_curvature(tested, make_finder, options.noise ? *options.noise : known_noise(distinct),
+                                  detail::only_quadrics(options));
 }
 
 /// Fits the chosen surface, or surfaces of fewer unknowns if the neighbours do not determine them.
@@ -220,9 +221,7 @@ std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, c
   if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
   const PositionGraph graph(mesh);
   CurvatureChoice choice{static_cast<std::size_t>(options.neighbours.value_or(0)), CurvatureSurface::quadric};
-  if (!options.bandwidth && !options.neighbours)
-    choice =
-        choose_on_mesh(mesh, graph, options.noise ? *options.noise : known_noise(mesh), detail::only_quadrics(options));
+  if (!options.bandwidth && !options.neighbours) choice = choose_on_mesh(mesh, graph, options);
   const auto enough = static_cast<std::size_t>(kMostOfNeighbours * static_cast<double>(choice.neighbours));
   const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
   std::vector<FittedCurvatures> result(mesh.size());
