@@ -11,6 +11,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/note.h"
@@ -113,13 +114,26 @@ struct SANSMESH_API CompareOptions {
   void validate() const;
 };
 
+/// Sampling of points that take part in a comparison (lengths), and the part of the distances that it causes.
+struct SANSMESH_API ComparedPoints {
+  double spacing = 0;   ///< edge of the square that one point represents
+  NoiseEstimate noise;  ///< noise of the points
+  /// RMS of the distances if the points sample exactly the other surface. Of mapped points the noise. Of points to
+  /// which distances are measured: that of the nearest point's disc; without normals, of the nearest point.
+  double own_rms = 0;
+
+  static const ReportSchema& schema();  ///< report rows
+};
+
 /// Report of compare().
 struct SANSMESH_API CompareReport {
-  MapSide on = MapSide::part;                 ///< side that carries the map
-  std::optional<double> within;               ///< as requested (length)
-  double diagonal = 0;                        ///< diagonal of the reference's bounding box (length)
-  std::optional<SurfaceAlignment> alignment;  ///< alignment of the part, if requested
-  AffineMap motion;                           ///< motion of the part, if aligned
+  MapSide on = MapSide::part;                      ///< side that carries the map
+  std::optional<double> within;                    ///< as requested (length)
+  double diagonal = 0;                             ///< diagonal of the reference's bounding box (length)
+  std::optional<ComparedPoints> part_points;       ///< sampling of a part of points
+  std::optional<ComparedPoints> reference_points;  ///< sampling of a reference of points
+  std::optional<SurfaceAlignment> alignment;       ///< alignment of the part, if requested
+  AffineMap motion;                                ///< motion of the part, if aligned
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -201,8 +215,9 @@ struct SANSMESH_API SectionOptions {
   std::vector<CutPlane> planes = {};     ///< single planes
   std::optional<SectionAxis> axis = {};  ///< axis of the series; default: no series
   std::optional<double> first = {};      ///< position of the first plane of the series (length)
-  std::optional<double> interval =
-      {};                         ///< distance between successive planes (length, not 0); default: spread over the box
+  /// Distance between successive planes (length, not 0; negative: downwards). Default: spread over the box, or from
+  /// `first` to its upper end.
+  std::optional<double> interval = {};
   std::optional<int> count = {};  ///< 1..100000; default: 1, or as many intervals as fit into the box
   /// For functions and isosurfaces: lattice squares along the longer side of the box, 2..4096.
   std::optional<int> resolution = {};

@@ -24,12 +24,12 @@ struct ReadReport {
   std::vector<std::string> unread;
 };
 
-/// Reads the points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file, or of a Stanford .conf alignment
-/// (several scans merged with their transforms; a missing scan is left out with a warning unless all are missing),
-/// gzipped or not. Points that are not finite are left out with a warning. Further numbers of points and faces (PLY
-/// scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the type in the
-/// file. Columns of text without types become int32 if all numbers are integers (int64 or uint64 if necessary), else
-/// double.
+/// Reads the points of a PLY, OBJ, OFF, STL, GLB or glTF, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file, or of a Stanford .conf
+/// alignment (several scans merged with their transforms; a missing scan is left out with a warning unless all are
+/// missing), gzipped or not. Points that are not finite are left out with a warning. Further numbers of points and
+/// faces (PLY scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the
+/// type in the file. Columns of text without types become int32 if all numbers are integers (int64 or uint64 if
+/// necessary), else double.
 ///
 /// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 is the first),
 /// `classification` (uint8, the ASPRS classes of sansmesh/cloud_options.h), `synthetic` and `overlap` (uint8, 1 if

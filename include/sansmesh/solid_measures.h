@@ -197,6 +197,8 @@ struct SANSMESH_API DistanceMap {
   std::size_t at_border = 0;      ///< closest point on a border; left out only with skip_border
   std::size_t not_finite = 0;     ///< left out: vertices that are not finite or unused
   DistanceStatistics statistics;  ///< statistics of the distances
+  /// Of points: the closest point of the other surface to each, relative to the origin of the points; NaN if left out.
+  std::vector<Vec3f> feet;
 
   static const ReportSchema& schema();  ///< one row per figure
 };

@@ -9,6 +9,8 @@ namespace sansmesh::inline v1::io {
 
 PointSet read_ply(const Input& in);
 PointSet read_obj(const Input& in);
+/// Binary and text glTF 2.0.
+PointSet read_glb(const Input& in);
 PointSet read_off(const Input& in);
 PointSet read_stl(const Input& in);
 PointSet read_table(const Input& in);

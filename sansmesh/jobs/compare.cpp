@@ -16,7 +16,10 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/measure/points_signed_distance.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/spacing.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -47,6 +50,19 @@ void refine(TriangleMesh& mesh, const std::string& name, const std::optional<dou
                      .remedy = "`refine` cuts them up",
                      .of = name});
   }
+}
+
+/// Sampling of points; nothing for other surfaces.
+std::optional<ComparedPoints> sampling_of(const AnySurface& surface, bool mapped, Progress& progress,
+                                          std::vector<Note>& notes) {
+  if (surface.kind() != AnySurface::Kind::points) return std::nullopt;
+  const std::shared_ptr<const TriangleMesh> mesh = surface.mesh(progress, notes);
+  PointSet points;
+  points.positions = mesh->vertices;
+  ComparedPoints found{.spacing = estimate_spacing(points), .noise = measure_noise(points)};
+  const double noise = found.noise.known ? found.noise.deviation : found.noise.most;
+  found.own_rms = mapped ? noise : rms_to_samples(found.spacing, noise, !mesh->normals.empty());
+  return found;
 }
 
 }  // namespace
@@ -103,6 +119,8 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   map.reversed = reversed;
   if (!map.max_distance && r.diagonal > 0) map.max_distance = 0.1 * r.diagonal;
   result.map = with_name(mapped.name(), [&] { return distance_map(result.mesh, *distance, map, progress); });
+  r.part_points = sampling_of(moved, !reversed, progress, result.notes);
+  r.reference_points = sampling_of(still, reversed, progress, result.notes);
   if (!result.map.has_sides)
     result.notes.push_back({.code = "no_sign",
                             .text = "distances have no sign: " + other.name() + " is points without normals",
@@ -111,12 +129,24 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   return result;
 }
 
+const ReportSchema& ComparedPoints::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&ComparedPoints::spacing>({.text = "Spacing of the points", .unit = "length"}),
+      reported_inline<&ComparedPoints::noise>(),
+      reported<&ComparedPoints::own_rms>(
+          {.text = "Root mean square of the distances that noise and sampling cause alone", .unit = "length"})};
+  return report_schema<rows>();
+}
+
 const ReportSchema& CompareReport::schema() {
   static constexpr ReportRow rows[] = {
       reported<&CompareReport::on>({.text = "Side that carries the map", .choices = kSideWords}),
       reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
       reported<&CompareReport::diagonal>(
           {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+      reported<&CompareReport::part_points>({.name = "part.sampling", .text = "Sampling of a part of points"}),
+      reported<&CompareReport::reference_points>(
+          {.name = "reference.sampling", .text = "Sampling of a reference of points"}),
       reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
       reported<[](const CompareReport& r) { return value_if(r.alignment.has_value(), r.motion.rows()); }>(
           {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
@@ -149,6 +179,13 @@ void add_statistics(const DistanceMap& map, const std::optional<double>& toleran
     line("tolerance", fmt::format("{:.3f} % within ±{}", 100 * *s.within_tolerance, length_words(*tolerance)));
 }
 
+void add_sampling(const char* side, const std::optional<ComparedPoints>& points, std::vector<std::string>& lines) {
+  if (!points) return;
+  lines.push_back(titled(side, fmt::format("points {} apart, noise {}: alone they cause rms {}{}",
+                                           length_words(points->spacing), noise_words(points->noise, points->spacing),
+                                           points->noise.known ? "" : "up to ", length_words(points->own_rms))));
+}
+
 }  // namespace
 
 std::vector<std::string> summary_of(const CompareResult& made, const CompareOptions& options,
@@ -157,6 +194,8 @@ std::vector<std::string> summary_of(const CompareResult& made, const CompareOpti
   std::vector<std::string> lines;
   if (made.report.alignment) lines = summary_of(*made.report.alignment);
   if (map.measured > 0) add_statistics(map, options.map.within, lines);
+  add_sampling("part", made.report.part_points, lines);
+  add_sampling("reference", made.report.reference_points, lines);
   const auto line = [&](const char* title, std::size_t count, const std::string& what) {
     if (count > 0) lines.push_back(titled(title, grouped(count) + " " + what));
   };

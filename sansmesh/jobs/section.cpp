@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "sansmesh/core/index_in.h"
@@ -18,19 +19,33 @@ namespace {
 constexpr std::string_view kSectionAxes[] = {"x", "y", "z"};
 constexpr int kMostPlanesOfSeries = 100000;
 
+/// Planes from `first` on, evenly to the upper end of the box, in front of which the last one is.
+std::vector<CutPlane> spread_from(int axis, double first, double end, int count) {
+  if (count > 1 && !(first < end))
+    throw ArgumentError(fmt::format(
+        "`first = {}` is not below {}, the upper end of the box: several planes from there on need `interval`",
+        length_words(first), length_words(end)));
+  return plane_series(axis, first, (end - first) / count, count);
+}
+
 std::vector<CutPlane> series_of(const SectionOptions& o, const Box3& box) {
   const int axis = static_cast<int>(*o.axis);
   const auto k = static_cast<std::size_t>(axis);
-  if (!o.first && !o.interval) return spread_planes(box, axis, o.count.value_or(1));
-  if (o.interval && !o.count) {
-    // As many planes as fit into the box.
-    const double start =
-        o.first.value_or(*o.interval > 0 ? box.lower[k] + 0.5 * *o.interval : box.upper[k] + 0.5 * *o.interval);
-    const double left = ((*o.interval > 0 ? box.upper[k] : box.lower[k]) - start) / *o.interval;
-    return plane_series(axis, start, *o.interval, 1 + index_in<int>(left, 0, 1000000));
+  if (!o.interval) {
+    if (o.first) return spread_from(axis, *o.first, box.upper[k], o.count.value_or(1));
+    return spread_planes(box, axis, o.count.value_or(1));
   }
-  return plane_series(axis, o.first.value_or(box.lower[k] + 0.5 * o.interval.value_or(0)), o.interval.value_or(1),
-                      o.count.value_or(1));
+  const bool up = *o.interval > 0;
+  const double size = box.size()[k], half = 0.5 * std::clamp(*o.interval, -size, size);
+  const double start = o.first.value_or((up ? box.lower[k] : box.upper[k]) + half);
+  if (o.count) return plane_series(axis, start, *o.interval, *o.count);
+  // As many planes as fit into the box.
+  const double more = std::floor(std::max(0.0, ((up ? box.upper[k] : box.lower[k]) - start) / *o.interval));
+  if (!(more < kMostPlanesOfSeries))
+    throw ArgumentError(
+        fmt::format("`interval = {}` makes more than {} planes in the box: `count` or a larger one limits them",
+                    length_words(*o.interval), grouped(kMostPlanesOfSeries)));
+  return plane_series(axis, start, *o.interval, 1 + static_cast<int>(more));
 }
 
 std::vector<CutPlane> planes_of(const SectionOptions& o, const Box3& box) {
@@ -61,9 +76,9 @@ const OptionSchema& SectionOptions::schema() {
                          .from_data = "half an interval inside the box",
                          .needs = "axis",
                          .old_name = "start"}),
-      option<&O::interval>({.text = "Distance between planes",
+      option<&O::interval>({.text = "Distance between planes; negative: downwards",
                             .unit = "length",
-                            .from_data = "spread over the box",
+                            .from_data = "spread over the box, from the first on",
                             .needs = "axis",
                             .old_name = "step"}),
       option<&O::count>({.text = "Number of planes",
@@ -78,8 +93,6 @@ const OptionSchema& SectionOptions::schema() {
 void SectionOptions::validate() const {
   validate_options(*this);
   if (interval && *interval == 0) throw ArgumentError("`interval` must not be 0");
-  if (first && !interval && count.value_or(1) != 1)
-    throw ArgumentError("several planes from `start` on need `interval`");
 }
 
 SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress) {

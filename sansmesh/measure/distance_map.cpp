@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMapChunk = 1024;  // fixed: neighbours in a chunk share hints
 constexpr double kInRange = 0.99;
+constexpr std::size_t kMedianOf = 64;
 constexpr std::array<std::uint8_t, 3> kLeftOut{150, 150, 150};
 
 /// Weight of each vertex: a third of the area of its triangles; negative for unused vertices. Points: 1.
@@ -168,7 +169,9 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   map.has_sides = reference.has_sides();
   map.max_distance = options.max_distance.value_or(0.1 * reference.bounds().diagonal());
   const std::size_t n = part.vertices.size();
-  map.distance.assign(n, std::numeric_limits<float>::quiet_NaN());
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  map.distance.assign(n, kNan);
+  if (part.triangles.empty()) map.feet.assign(n, {kNan, kNan, kNan});
   const std::vector<double> weight = weights(part);
   // Spatial order makes searches short for any order of the vertices in the mesh.
   const KdTree tree(part.vertices);
@@ -203,6 +206,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
       else
         map.distance[i] =
             static_cast<float>(options.reversed && map.has_sides ? -found[k].distance : found[k].distance);
+      if (!map.feet.empty() && left[i] == Left::no) map.feet[i] = Vec3f(found[k].point - part.origin);
     }
     progress.advance();
   });
@@ -220,6 +224,32 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   map.statistics =
       statistics_of(std::move(samples), part, options, map.has_sides, kSmallestRange * reference.bounds().diagonal());
   return map;
+}
+
+std::vector<float> local_medians(const TriangleMesh& points, const DistanceMap& map, double radius) {
+  const std::size_t n = map.distance.size();
+  if (map.feet.size() != n || points.vertices.size() != n)
+    throw ArgumentError("local_medians: the map is not one of these points");
+  std::vector<float> shown = map.distance;
+  const bool sided = points.normals.size() == n;
+  const KdTree tree(map.feet);
+  const auto most = static_cast<float>(radius * radius);
+  tree.for_each_nearest(kMedianOf, [&](std::uint32_t slot, std::span<const Neighbour> near) {
+    const std::uint32_t own = tree.order()[slot];
+    std::array<float, kMedianOf> values{};
+    std::size_t count = 0;
+    for (const Neighbour& neighbour : near) {
+      const std::uint32_t other = tree.order()[neighbour.index];
+      if (neighbour.squared_distance > most) break;
+      if (!sided || !(dot(points.normals[own], points.normals[other]) < 0)) values[count++] = map.distance[other];
+    }
+    if (count == 0) return;
+    // An even number of values has two in the middle.
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(values.begin(), middle, values.begin() + static_cast<std::ptrdiff_t>(count));
+    shown[own] = count % 2 == 1 ? *middle : 0.5f * (*middle + *std::max_element(values.begin(), middle));
+  });
+  return shown;
 }
 
 std::array<std::uint8_t, 3> distance_color(float distance, double range) {

@@ -31,4 +31,9 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range);
 /// where left out), and their colours, in the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
+/// Distances for a picture of a cloud: of each point the median over the points whose closest points are within
+/// `radius` (length) of its own, at most 64, on the same side if there are normals. The outermost points, which cover
+/// the others in a picture, then show the typical distance of their place rather than their own noise.
+std::vector<float> local_medians(const TriangleMesh& points, const DistanceMap& map, double radius);
+
 }  // namespace sansmesh::inline v1

@@ -1,6 +1,7 @@
 #include "sansmesh/measure/points_signed_distance.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "sansmesh/error.h"
 
@@ -8,6 +9,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kRim = 9;  ///< the sample itself and its eight neighbours
+/// Steps of the integral over the distance to the nearest sample, and the expected number of nearer samples at its end.
+constexpr int kDistanceSteps = 2000;
+constexpr double kFarEnough = 40;
 
 }  // namespace
 
@@ -44,6 +48,32 @@ void PointsDistance::measure(std::span<const Vec3> x, double, std::span<Measured
     found[i].distance = std::copysign(std::hypot(height, over), height);
     found[i].point = points_.origin + sample + (over > 0 ? aside * (radius / lateral) : aside);
   }
+}
+
+double rms_to_samples(double spacing, double noise, bool along_normals) {
+  if (!(spacing > 0)) return 0;
+  if (!(noise > 1e-6 * spacing)) return along_normals ? 0 : spacing / std::sqrt(std::numbers::pi);
+  // A sample at height h is within distance R of a point of the surface if it is within √(R² − h²) along it. With
+  // normally distributed heights, the number of samples within R is a Poisson variable with the mean `nearer`.
+  struct Within {
+    double nearer, height;  // mean number, and their mean squared height
+  };
+  const auto within = [&](double distance) -> Within {
+    const double a = distance / noise, share = std::erf(a / std::numbers::sqrt2);
+    const double edge = a * std::exp(-0.5 * a * a) * std::sqrt(2 / std::numbers::pi);
+    const double height = share > edge ? noise * noise * (share - edge) / share : 0;
+    return {std::numbers::pi / (spacing * spacing) * share * (distance * distance - height), height};
+  };
+  double end = spacing;
+  while (within(end).nearer < kFarEnough) end *= 1.1;
+  double sum = 0, none_before = 1;
+  for (int i = 1; i <= kDistanceSteps; ++i) {
+    const double distance = end * i / kDistanceSteps;
+    const double none = std::exp(-within(distance).nearer), middle = end * (i - 0.5) / kDistanceSteps;
+    sum += (none_before - none) * (along_normals ? within(middle).height : middle * middle);
+    none_before = none;
+  }
+  return std::sqrt(sum);
 }
 
 }  // namespace sansmesh::inline v1

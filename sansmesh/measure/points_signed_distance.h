@@ -29,4 +29,9 @@ class PointsDistance : public SignedDistance {
   std::vector<float> radius_;  ///< radius of each disc
 };
 
+/// RMS distance to points from a surface that they sample at random with this spacing and normally distributed noise:
+/// along the normal of the nearest point, or to the point itself. Where the noise exceeds the spacing, the nearest
+/// point is the one with the least noise of several, so the former stays below the noise.
+double rms_to_samples(double spacing, double noise, bool along_normals);
+
 }  // namespace sansmesh::inline v1

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace sansmesh::inline v1 {
+namespace {
+
+constexpr double kNoArea = 1e-12;  ///< share of the areas of all curves
+
+}  // namespace
 
 bool Section::closed() const { return open_curves() == 0; }
 
@@ -16,6 +21,7 @@ Section make_section(const CutPlane& plane, const std::vector<SectionChain>& cha
                      const std::vector<std::array<double, 2>>& points) {
   Section section;
   section.plane = plane;
+  double sizes = 0;
   for (const SectionChain& chain : chains) {
     SectionCurve curve;
     curve.closed = chain.closed;
@@ -36,8 +42,11 @@ Section make_section(const CutPlane& plane, const std::vector<SectionChain>& cha
     }
     section.length += curve.length;
     section.area += curve.area;
+    sizes += std::abs(curve.area);
     section.curves.push_back(std::move(curve));
   }
+  // Two layers in opposite directions cancel but for rounding errors.
+  if (std::abs(section.area) < kNoArea * sizes) section.area = 0;
   return section;
 }
 

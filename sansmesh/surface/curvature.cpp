@@ -10,89 +10,25 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
-#include "sansmesh/surface/curvature_fit.h"
+#include "sansmesh/surface/curvature_choice.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
+using detail::CurvatureChoice, detail::TestedNeighbourhoods;
 using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
 
-constexpr std::array<std::size_t, 11> kSizes{20, 28, 40, 56, 80, 112, 160, 224, 320, 448, 640};
-constexpr std::size_t kTestedSamples = 400;
-constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that needs no larger neighbourhood
+/// Factor of the neighbours where too few are on the sheet of a sample.
+constexpr std::size_t kMoreNeighbours = 4;
 
-int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double noise) {
-  const std::size_t count = std::min(kTestedSamples, tree.size());
-  constexpr std::size_t kCount = kSizes.size();
-  // For each point and size, the variance due to noise and the squared change to the next size.
-  constexpr double kNone = -1;
-  std::vector<std::array<double, kCount>> variances(count), changes(count), squares(count);
-  const CurvatureOptions options;
-  parallel_ranges(0, count, 16, [&](std::size_t first, std::size_t last) {
-    CurvatureFitter fitter(options);
-    std::vector<Neighbour> found(kSizes.back());
-    std::vector<double> distances;
-    for (std::size_t p = first; p < last; ++p) {
-      variances[p].fill(kNone);
-      changes[p].fill(kNone);
-      squares[p].fill(kNone);
-      const std::uint32_t sample = tree.order()[p * tree.size() / count];
-      const Vec3f x = points.positions[sample];
-      const Vec3 normal = normalized(Vec3(points.normals[sample]));
-      if (!(squared_norm(normal) > 0)) continue;
-      found.resize(kSizes.back());
-      found.resize(tree.nearest(x, found));
-      fitter.start(normal);
-      distances.clear();
-      std::array<double, 3> before{};
-      bool has_before = false;
-      std::size_t seen = 0, kept = 0;
-      for (std::size_t size = 0; size < kCount && kSizes[size] <= found.size(); ++size) {
-        for (; seen < kSizes[size]; ++seen) {
-          const std::uint32_t i = found[seen].index;
-          if (same_sheet(normal, points.normals[i])) fitter.add(Vec3(points.positions[i] - x)), ++kept;
-        }
-        if (!fitter.fit(kept, std::sqrt(static_cast<double>(found[seen - 1].squared_distance)))) {
-          has_before = false;
-          continue;
-        }
-        variances[p][size] = fitter.variance(kept) * noise * noise;
-        const std::array<double, 3> chi = fitter.chi();
-        squares[p][size] = chi[0] * chi[0] + chi[1] * chi[1] + chi[2] * chi[2];
-        if (has_before) {
-          double change = 0;
-          for (std::size_t c = 0; c < 3; ++c) change += (chi[c] - before[c]) * (chi[c] - before[c]);
-          changes[p][size - 1] = change;
-        }
-        before = chi;
-        has_before = true;
-      }
-    }
-  });
-
-  std::vector<double> values;
-  // Median over the points that have a value; kNone if there are none.
-  const auto typical = [&](const std::vector<std::array<double, kCount>>& all, std::size_t size) {
-    values.clear();
-    for (const auto& a : all)
-      if (a[size] >= 0) values.push_back(a[size]);
-    return values.empty() ? kNone : median(values);
+CurvatureChoice choose_on_tree(const KdTree& tree, const PointSet& points, double noise, bool only_quadrics) {
+  const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
+  const auto make_finder = [&]() -> detail::FindNeighbourhoods {
+    return [&](std::size_t p, TestedNeighbourhoods& to) {
+      return find_nearest(tree, points, tree.order()[p * tree.size() / tested], to);
+    };
   };
-  std::size_t best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  double shape = 0;
-  for (std::size_t size = 0; size + 1 < kCount; ++size) {
-    const double variance = typical(variances, size), next = typical(variances, size + 1);
-    const double change = typical(changes, size);
-    if (variance < 0 || next < 0 || change < 0) continue;
-    // The bias grows with h², so in proportion to the size, by 0.4 from one size to the next: the change is 0.4 of
-    // the bias, plus the effect of the noise, whose variance decreases by the difference of the two (the larger fit is
-    // the better one); 0.7 of it in the median.
-    shape = std::max(shape, std::max(0.0, change - 0.7 * (variance - next)) / 0.16);
-    if (variance + shape < least) least = variance + shape, best = size;
-    if (least < kGoodEnough * kGoodEnough * (typical(squares, size) - variance)) break;
-  }
-  return static_cast<int>(kSizes[best]);
+  return detail::choose_curvature(tested, make_finder, noise, only_quadrics);
 }
 
 }  // namespace
@@ -112,9 +48,14 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
     slot_of_[index] = static_cast<std::uint32_t>(slot);
   });
   if (options.bandwidth) return;
-  neighbours_ = options.neighbours.value_or(0);
-  if (neighbours_ == 0)
-    neighbours_ = choose_neighbours_on_tree(tree_, points, options.noise ? *options.noise : estimate_noise(points));
+  if (options.neighbours) {
+    neighbours_ = *options.neighbours;
+    return;
+  }
+  const CurvatureChoice choice = choose_on_tree(tree_, points, options.noise ? *options.noise : estimate_noise(points),
+                                                detail::only_quadrics(options));
+  neighbours_ = static_cast<int>(choice.neighbours);
+  surface_ = choice.surface;
 }
 
 void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3> normals,
@@ -144,7 +85,7 @@ void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3>
         const std::size_t slot = slot_of_[neighbour.index];
         if (same_sheet(normal, normals_[slot])) fitter.add(Vec3(positions_[slot]) - x[i]), ++count;
       }
-      if (fitter.fit(count, radius)) result[i] = fitter.curvatures();
+      if (fitter.fit_or_quadric(count, radius, surface_)) result[i] = fitter.curvatures();
     }
   });
 }
@@ -157,14 +98,20 @@ std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress)
     CurvatureFitter fitter(options_);
     const auto fit = [&](std::size_t slot, std::span<const Neighbour> found, bool slots, double radius) {
       const Vec3 normal(normals_[slot]);
-      if (squared_norm(normal) == 0) return;
+      if (squared_norm(normal) == 0) return true;
       fitter.start(normal);
       std::size_t count = 0;
       for (const Neighbour& neighbour : found) {
         const std::size_t s = slots ? neighbour.index : slot_of_[neighbour.index];
         if (same_sheet(normal, normals_[s])) fitter.add(Vec3(positions_[s] - positions_[slot])), ++count;
       }
-      if (fitter.fit(count, radius)) result[tree_.order()[slot]] = fitter.curvatures();
+      const bool made = fitter.fit_or_quadric(count, radius, surface_);
+      if (made) result[tree_.order()[slot]] = fitter.curvatures();
+      return made;
+    };
+    std::vector<Neighbour> more;
+    const auto radius_of = [](std::span<const Neighbour> found) {
+      return std::sqrt(static_cast<double>(found.back().squared_distance));
     };
     if (options_.bandwidth) {
       std::vector<Neighbour> found;
@@ -176,19 +123,17 @@ std::vector<FittedCurvatures> CurvatureEstimator::at_samples(Progress& progress)
     } else {
       tree_.for_each_nearest(static_cast<std::size_t>(neighbours_), first, last,
                              [&](std::uint32_t slot, std::span<const Neighbour> found) {
-                               if (found.empty()) return;
-                               fit(slot, found, true, std::sqrt(static_cast<double>(found.back().squared_distance)));
+                               if (found.empty() || fit(slot, found, true, radius_of(found))) return;
+                               // Most of the nearest samples may be on the other side of a thin wall.
+                               more.resize(kMoreNeighbours * static_cast<std::size_t>(neighbours_));
+                               more.resize(tree_.nearest(positions_[slot], more));
+                               fit(slot, more, false, radius_of(more));
                              });
     }
     progress.advance(last - first);
   });
   progress.finish();
   return result;
-}
-
-int choose_curvature_neighbours(const PointSet& points, double noise) {
-  if (points.normals.size() != points.size()) throw DataError("curvatures need normals; the cloud has none");
-  return choose_neighbours_on_tree(KdTree(points.positions), points, noise);
 }
 
 std::vector<FittedCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,

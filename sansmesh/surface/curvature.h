@@ -15,10 +15,15 @@
 
 namespace sansmesh::inline v1 {
 
+namespace detail {
+enum class CurvatureSurface : std::uint8_t;
+}  // namespace detail
+
 /// Curvatures at points near a cloud (tejada2008, 4.2). Around x with normal n and tangent coordinates (u, v), each
 /// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖². By Euler's theorem χ₁ + χ₂ cos 2θ + χ₃ sin
 /// 2θ ≈ κ_i is a linear least-squares problem in three unknowns. Additions to the source: an offset and two slopes as
-/// further unknowns, and a neighbourhood chosen from the data.
+/// further unknowns, terms of third and fourth degree for samples without noise, and a neighbourhood chosen from the
+/// data (curvature_choice.h).
 class CurvatureEstimator {
  public:
   /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.
@@ -40,13 +45,9 @@ class CurvatureEstimator {
   std::vector<std::uint32_t> slot_of_;
   CurvatureOptions options_;
   int neighbours_ = 0;
+  detail::CurvatureSurface surface_{};
   std::size_t cloud_size_ = 0;
 };
-
-/// Number of neighbours with the least expected error of the curvatures, from a few hundred fits with 20 to 640
-/// neighbours. The error due to noise follows from the weights of the fit, the error due to shape from the change of
-/// the curvatures from one size to the next.
-int choose_curvature_neighbours(const PointSet& points, double noise);
 
 /// Curvatures at all samples; undefined where positions are not finite or normals are zero. Throws ArgumentError for
 /// invalid options, DataError for a cloud without normals.

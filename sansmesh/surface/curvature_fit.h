@@ -5,31 +5,49 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "sansmesh/surface/fitted_curvatures.h"
+#include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {
 
 /// Radius of neighbourhoods over h: exp(−1.6²) = 0.08.
 inline constexpr double kReachOverWidth = 1.6;
-inline constexpr std::size_t kCurvatureUnknowns = 6;
+/// Unknowns of a quadric, and of a quartic graph over it.
+inline constexpr std::size_t kCurvatureUnknowns = 6, kQuarticUnknowns = 15;
+
+/// Surfaces that are fitted to a neighbourhood.
+enum class CurvatureSurface : std::uint8_t {
+  quadric,  ///< as the options require
+  /// Quadric with terms of third and fourth degree, for samples without noise: its error falls with the fourth power of
+  /// the radius on symmetric neighbourhoods, that of the quadric with the second.
+  quartic,
+  quartic_through,  ///< the same through the point
+  /// Directional curvatures of the next vertices, with a tilt of the normal, through the point: exact along circles of
+  /// any radius, so for coarse meshes.
+  directional
+};
 
 /// Whether a neighbour may belong to the same sheet.
 inline bool same_sheet(const Vec3& normal, const Vec3f& neighbours_normal) {
   return dot(normal, Vec3(neighbours_normal)) >= 0;
 }
 
-/// Σ w row rowᵀ and Σ w row value, lower triangle only, for the first `n` of the six unknowns.
+/// Σ w row rowᵀ and Σ w row value, lower triangle only, for the first `n` of the unknowns.
+template <std::size_t kUnknowns>
 struct NormalEquations {
-  std::array<std::array<double, kCurvatureUnknowns>, kCurvatureUnknowns> a{};
-  std::array<double, kCurvatureUnknowns> right{};
-  std::array<std::size_t, kCurvatureUnknowns> active{};
+  using Row = std::array<double, kUnknowns>;
+  std::array<Row, kUnknowns> a{};
+  Row right{};
+  std::array<std::size_t, kUnknowns> active{};
   std::size_t n = 0;
 
-  void add(const std::array<double, kCurvatureUnknowns>& row, double w, double value) {
-    for (std::size_t i = 0; i < kCurvatureUnknowns; ++i) {
+  template <class Values>
+  void add(const Values& row, double w, double value) {
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
       const double wr = w * row[i];
       for (std::size_t j = 0; j <= i; ++j) a[i][j] += wr * row[j];
       right[i] += wr * value;
@@ -37,7 +55,7 @@ struct NormalEquations {
   }
 
   /// LDLᵀ in place; false if an unknown is (nearly) a combination of the others.
-  bool factorise() {
+  bool factorise(double least_pivot) {
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t ai = active[i];
       const double before = a[ai][ai];
@@ -50,13 +68,15 @@ struct NormalEquations {
         else
           d_[i] = s;
       }
-      if (!(d_[i] > 1e-6 * before)) return false;
+      if (!(d_[i] > least_pivot * before)) return false;
     }
     return true;
   }
 
-  std::array<double, kCurvatureUnknowns> solve(const std::array<double, kCurvatureUnknowns>& b) const {
-    std::array<double, kCurvatureUnknowns> y{}, x{};
+  template <class Values>
+  void solve(const Row& b, Values& x) const {
+    Row y{};
+    x.fill(0);
     for (std::size_t i = 0; i < n; ++i) {
       y[i] = b[active[i]];
       for (std::size_t k = 0; k < i; ++k) y[i] -= l_[i][k] * y[k];
@@ -66,12 +86,11 @@ struct NormalEquations {
       for (std::size_t k = i + 1; k < n; ++k) y[i] -= l_[k][i] * y[k];
       x[active[i]] = y[i];
     }
-    return x;
   }
 
  private:
-  std::array<std::array<double, kCurvatureUnknowns>, kCurvatureUnknowns> l_{};
-  std::array<double, kCurvatureUnknowns> d_{};
+  std::array<Row, kUnknowns> l_{};
+  Row d_{};
 };
 
 /// Fits one neighbourhood after another without allocations in the loop. Lengths are divided by the radius of the
@@ -91,27 +110,28 @@ class CurvatureFitter {
   void add(const Vec3& offset) { offsets_.push_back({dot(offset, t_), dot(offset, b_), dot(offset, normal_)}); }
 
   /// Fits the first `count` offsets, all within `radius`.
-  bool fit(std::size_t count, double radius) {
-    radius_ = radius;
-    equations_ = {};
-    // χ first: they stay determined where the slopes are not.
-    equations_.active = {0, 1, 2};
-    equations_.n = 3;
-    if (options_.offset) equations_.active[equations_.n++] = 3;
-    if (options_.refit_normal) equations_.active[equations_.n++] = 4, equations_.active[equations_.n++] = 5;
+  bool fit(std::size_t count, double radius, CurvatureSurface surface = CurvatureSurface::quadric) {
+    radius_ = radius, surface_ = surface;
     if (!(radius > 0)) return false;
-    const double scale = 1 / radius;
-    std::size_t used = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::array<double, kCurvatureUnknowns> row;
-      double weight = 0, height = 0;
-      if (!equation(offsets_[i] * scale, row, weight, height)) continue;
-      equations_.add(row, weight, height);
-      ++used;
+    // χ first: they stay determined where the slopes are not.
+    if (surface == CurvatureSurface::quartic || surface == CurvatureSurface::quartic_through) {
+      quartic_ = {};
+      for (std::size_t k = 0; k < kQuarticUnknowns; ++k)
+        if (k != 3 || surface == CurvatureSurface::quartic) quartic_.active[quartic_.n++] = k;
+      return solve(quartic_, count, kLeastQuarticPivot, true);
     }
-    if (used <= equations_.n || !equations_.factorise()) return false;
-    solution_ = equations_.solve(equations_.right);
-    return std::all_of(solution_.begin(), solution_.end(), [](double c) { return std::isfinite(c); });
+    const bool directional = surface == CurvatureSurface::directional;
+    quadric_ = {};
+    quadric_.active = {0, 1, 2};
+    quadric_.n = 3;
+    if (options_.offset && !directional) quadric_.active[quadric_.n++] = 3;
+    if (options_.refit_normal || directional) quadric_.active[quadric_.n++] = 4, quadric_.active[quadric_.n++] = 5;
+    return solve(quadric_, count, 1e-6, directional);
+  }
+
+  /// The same, or a quadric if the surface is not determined.
+  bool fit_or_quadric(std::size_t count, double radius, CurvatureSurface surface) {
+    return fit(count, radius, surface) || (surface != CurvatureSurface::quadric && fit(count, radius));
   }
 
   /// χ₁, χ₂, χ₃ of the last fit.
@@ -119,31 +139,34 @@ class CurvatureFitter {
 
   /// Sum of the variances of χ₁, χ₂ and χ₃ for heights of unit variance.
   double variance(std::size_t count) const {
-    std::array<std::array<double, kCurvatureUnknowns>, 3> inverse;
-    for (std::size_t c = 0; c < 3; ++c) {
-      std::array<double, kCurvatureUnknowns> unit{};
-      unit[c] = 1;
-      inverse[c] = equations_.solve(unit);
-    }
-    double sum = 0;
+    return is_quartic() ? variance_of(quartic_, count) : variance_of(quadric_, count);
+  }
+
+  /// Variance of the heights about the fitted surface (length²), unbiased for noise.
+  double residual_variance(std::size_t count) const {
     const double scale = 1 / radius_;
+    double sum = 0, weights = 0;
+    std::size_t used = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      std::array<double, kCurvatureUnknowns> row;
+      Row row;
       double weight = 0, height = 0;
       if (!equation(offsets_[i] * scale, row, weight, height)) continue;
-      for (const auto& line : inverse) {
-        double influence = 0;
-        for (std::size_t k = 0; k < kCurvatureUnknowns; ++k) influence += line[k] * row[k];
-        sum += influence * influence * weight * weight;
-      }
+      for (std::size_t k = 0; k < (is_quartic() ? kQuarticUnknowns : kCurvatureUnknowns); ++k)
+        height -= row[k] * solution_[k];
+      sum += weight * height * height, weights += weight;
+      ++used;
     }
-    return sum / (radius_ * radius_ * radius_ * radius_);
+    const std::size_t unknowns = is_quartic() ? quartic_.n : quadric_.n;
+    if (used <= unknowns) return 0;
+    return radius_ * radius_ * sum / weights * static_cast<double>(used) / static_cast<double>(used - unknowns);
   }
 
   /// The fit is a quadric, the zero set of F = z + ½(χ₁‖d‖² + χ₂(u² − v²) + 2 χ₃ u v) − δ − a u − b v: its curvatures
-  /// at the foot (0, 0, δ) are those of F's Hessian across the gradient.
+  /// at the foot (0, 0, δ) are those of F's Hessian across the gradient. Terms of higher degree contribute nothing
+  /// there.
   FittedCurvatures curvatures() const {
-    const auto [c1, c2, c3, delta, a, b] = solution_;
+    const double c1 = solution_[0], c2 = solution_[1], c3 = solution_[2], delta = solution_[3], a = solution_[4],
+                 b = solution_[5];
     const Vec3 gradient{-a, -b, 1 + c1 * delta};
     const double length = norm(gradient);
     FittedCurvatures result;
@@ -151,7 +174,7 @@ class CurvatureFitter {
     const Vec3 n = gradient / length;
     Vec3 e, f;
     tangent_frame(n, e, f);
-    const auto hessian = [&, c1 = c1, c2 = c2, c3 = c3](const Vec3& p, const Vec3& q) {
+    const auto hessian = [&](const Vec3& p, const Vec3& q) {
       return (c1 * dot(p, q) + c2 * (p.x * q.x - p.y * q.y) + c3 * (p.x * q.y + p.y * q.x)) / (length * radius_);
     };
     const double ee = hessian(e, e), ef = hessian(e, f), ff = hessian(f, f);
@@ -172,16 +195,75 @@ class CurvatureFitter {
   }
 
  private:
+  using Row = std::array<double, kQuarticUnknowns>;
+  /// Nine unknowns of higher degree in the same lengths: pivots are smaller than those of quadrics.
+  static constexpr double kLeastQuarticPivot = 1e-8;
+
+  bool is_quartic() const {
+    return surface_ == CurvatureSurface::quartic || surface_ == CurvatureSurface::quartic_through;
+  }
+
+  template <std::size_t kUnknowns>
+  bool solve(NormalEquations<kUnknowns>& equations, std::size_t count, double least_pivot, bool just_enough) {
+    const double scale = 1 / radius_;
+    std::size_t used = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      Row row;
+      double weight = 0, height = 0;
+      if (!equation(offsets_[i] * scale, row, weight, height)) continue;
+      equations.add(row, weight, height);
+      ++used;
+    }
+    if (used < equations.n + (just_enough ? 0 : 1) || !equations.factorise(least_pivot)) return false;
+    equations.solve(equations.right, solution_);
+    return std::all_of(solution_.begin(), solution_.end(), [](double c) { return std::isfinite(c); });
+  }
+
+  template <std::size_t kUnknowns>
+  double variance_of(const NormalEquations<kUnknowns>& equations, std::size_t count) const {
+    std::array<std::array<double, kUnknowns>, 3> inverse;
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::array<double, kUnknowns> unit{};
+      unit[c] = 1;
+      equations.solve(unit, inverse[c]);
+    }
+    double sum = 0;
+    const double scale = 1 / radius_;
+    for (std::size_t i = 0; i < count; ++i) {
+      Row row;
+      double weight = 0, height = 0;
+      if (!equation(offsets_[i] * scale, row, weight, height)) continue;
+      for (const auto& line : inverse) {
+        double influence = 0;
+        for (std::size_t k = 0; k < kUnknowns; ++k) influence += line[k] * row[k];
+        sum += influence * influence * weight * weight;
+      }
+    }
+    return sum / (radius_ * radius_ * radius_ * radius_);
+  }
+
   /// Row, weight and height of one neighbour (lengths in radii); false for one without weight.
-  bool equation(const Vec3& d, std::array<double, kCurvatureUnknowns>& row, double& weight, double& height) const {
+  bool equation(const Vec3& d, Row& row, double& weight, double& height) const {
     const double flat = d.x * d.x + d.y * d.y, squared = flat + d.z * d.z;
     constexpr double kCoincident = 1e-10;
-    if (!(flat > kCoincident)) return false;
+    const bool quartic = is_quartic(), directional = surface_ == CurvatureSurface::directional;
+    // The point itself has no direction, but a height.
+    if (!(flat > kCoincident) && !(quartic && squared == 0)) return false;
     // With χ as the only unknowns, the equations are those of tejada2008: only angles count. Equations of a quadric are
     // more stable if the offset allows samples above or below the point.
-    const double turn = options_.offset || options_.refit_normal ? 1 : squared / flat;
-    row = {-0.5 * squared, -0.5 * turn * (d.x * d.x - d.y * d.y), -turn * d.x * d.y, 1, d.x, d.y};
+    const double turn = directional || (!quartic && !options_.offset && !options_.refit_normal) ? squared / flat : 1;
+    row[0] = -0.5 * squared, row[1] = -0.5 * turn * (d.x * d.x - d.y * d.y), row[2] = -turn * d.x * d.y;
+    row[3] = 1, row[4] = d.x, row[5] = d.y;
     height = d.z;
+    if (quartic || directional) {
+      const double narrow = directional ? 1 : kReachOverWidth * kReachOverWidth;
+      weight = std::exp(-narrow * squared);
+      if (directional) return true;
+      const double uu = d.x * d.x, uv = d.x * d.y, vv = d.y * d.y;
+      row[6] = uu * d.x, row[7] = uu * d.y, row[8] = vv * d.x, row[9] = vv * d.y;
+      row[10] = uu * uu, row[11] = uu * uv, row[12] = uu * vv, row[13] = uv * vv, row[14] = vv * vv;
+      return true;
+    }
     weight = 1 / (squared * squared);
     if (options_.weights == CurvatureOptions::Weights::m_like)
       for (int k = 0; k < options_.tau; ++k) weight *= squared;
@@ -193,9 +275,11 @@ class CurvatureFitter {
   const CurvatureOptions& options_;
   Vec3 normal_, t_, b_;
   std::vector<Vec3> offsets_;
-  NormalEquations equations_;
-  std::array<double, kCurvatureUnknowns> solution_{};
+  NormalEquations<kCurvatureUnknowns> quadric_;
+  NormalEquations<kQuarticUnknowns> quartic_;
+  Row solution_{};
   double radius_ = 1;
+  CurvatureSurface surface_ = CurvatureSurface::quadric;
 };
 
 }  // namespace sansmesh::inline v1::detail

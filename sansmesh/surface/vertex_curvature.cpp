@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <memory>
 #include <numeric>
 #include <span>
 
@@ -13,12 +15,12 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/equal_positions.h"
-#include "sansmesh/surface/curvature_fit.h"
+#include "sansmesh/surface/curvature_choice.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::CurvatureFitter;
+using detail::CurvatureFitter, detail::CurvatureSurface, detail::CurvatureChoice, detail::TestedNeighbourhoods;
 
 /// Whole rings are added until they hold this share of the requested neighbours.
 constexpr double kMostOfNeighbours = 0.9;
@@ -83,9 +85,11 @@ class RingWalk {
   /// Neighbours of v from near to far, without v: whole rings until there are `enough`, of vertices that `keep(w)`
   /// accepts. Excludes hubs and the vertices behind them.
   template <class Keep>
-  const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep) {
+  const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep,
+                                           int least_rings = kLeastRings) {
     if (++round_ == 0) std::fill(seen_.begin(), seen_.end(), 0), round_ = 1;
     found_.clear();
+    ends.clear();
     seen_[v] = round_;
     std::size_t from = 0;
     const std::size_t most = std::max(kMostSpokes, 2 * enough);
@@ -99,12 +103,16 @@ class RingWalk {
       }
     };
     visit(v);
-    for (int ring = 1; from < found_.size() && (ring < kLeastRings || found_.size() < enough); ++ring) {
+    ends.push_back(found_.size());
+    for (int ring = 1; from < found_.size() && (ring < least_rings || found_.size() < enough); ++ring) {
       const std::size_t to = found_.size();
       for (; from < to; ++from) visit(found_[from]);
+      ends.push_back(found_.size());
     }
     return found_;
   }
+
+  std::vector<std::size_t> ends;  ///< number of neighbours in the first rings of the last walk
 
  private:
   const PositionGraph& graph_;
@@ -112,17 +120,92 @@ class RingWalk {
   std::uint32_t round_ = 0;
 };
 
-/// Fits all unknowns, and fewer if the neighbours do not determine them.
-FittedCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
-                                     std::span<const Vec3> offsets, double radius) {
-  for (CurvatureFitter* const fitter : fitters) {
-    fitter->start(normal);
-    for (const Vec3& d : offsets) fitter->add(d);
-    if (!fitter->fit(offsets.size(), radius)) continue;
-    if (const FittedCurvatures found = fitter->curvatures(); found.defined) return found;
-  }
-  return {};
+/// Whether a neighbour is on the same side of a thin rim.
+bool beside(const PositionGraph& graph, const Vec3& normal, std::uint32_t neighbour) {
+  return dot(normal, graph.normal[neighbour]) >= kRoundTheRim;
 }
+
+CurvatureChoice choose_on_mesh(const PointSet& mesh, const PositionGraph& graph, const CurvatureOptions& options) {
+  PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < mesh.size(); ++v) {
+    if (graph.representative[v] != v) continue;
+    vertices.push_back(v);
+    distinct.positions.push_back(mesh.positions[v]), distinct.normals.push_back(Vec3f(graph.normal[v]));
+  }
+  const KdTree tree(distinct.positions);
+  const std::size_t tested = std::min(detail::kTestedCurvatures, tree.size());
+  const auto find = [&](std::size_t i, RingWalk& walk, TestedNeighbourhoods& to) {
+    const std::uint32_t sample = tree.order()[i * tree.size() / tested], v = vertices[sample];
+    if (!find_nearest(tree, distinct, sample, to)) return false;
+    const auto& around = walk.around(v, 0, [](std::uint32_t) { return true; });
+    TestedNeighbourhoods::Part part;
+    for (std::size_t k = 0, ring = 0; ring < to.rings.size() && ring < walk.ends.size(); ++ring) {
+      for (; k < walk.ends[ring]; ++k) {
+        if (!beside(graph, to.normal, around[k])) continue;
+        to.along_edges.push_back(Vec3(mesh.positions[around[k]]) - Vec3(mesh.positions[v]));
+        part.radius = std::max(part.radius, norm(to.along_edges.back()));
+      }
+      part.count = to.along_edges.size();
+      to.rings[ring] = part;
+    }
+    return true;
+  };
+  const auto make_finder = [&]() -> detail::FindNeighbourhoods {
+    return [&, walk = std::make_shared<RingWalk>(graph)](std::size_t i, TestedNeighbourhoods& to) {
+      return find(i, *walk, to);
+    };
+  };
+  return detail::choose_curvature(tested, make_finder, options.noise ? *options.noise : known_noise(distinct),
+                                  detail::only_quadrics(options));
+}
+
+/// Fits the chosen surface, or surfaces of fewer unknowns if the neighbours do not determine them.
+class VertexFitter {
+ public:
+  explicit VertexFitter(const CurvatureOptions& options)
+      : options_(options), through_(without_offset(options)), given_(without_slopes(options)) {}
+
+  FittedCurvatures fit(const Vec3& normal, std::span<const Vec3> offsets, double radius, CurvatureSurface surface) {
+    using Surface = CurvatureSurface;
+    if (surface == Surface::directional || surface == Surface::quartic_through)
+      return first_of({{&all_, surface}}, normal, offsets, radius);
+    if (surface == Surface::quartic)
+      if (const FittedCurvatures found =
+              first_of({{&all_, surface}, {&all_, Surface::quartic_through}}, normal, offsets, radius);
+          found.defined)
+        return found;
+    return first_of({{&all_, Surface::quadric}, {&no_offset_, Surface::quadric}, {&no_slopes_, Surface::quadric}},
+                    normal, offsets, radius);
+  }
+
+ private:
+  struct Attempt {
+    CurvatureFitter* fitter;
+    CurvatureSurface surface;
+  };
+  static CurvatureOptions without_offset(CurvatureOptions options) {
+    options.offset = false;
+    return options;
+  }
+  static CurvatureOptions without_slopes(CurvatureOptions options) {
+    options.offset = options.refit_normal = false;
+    return options;
+  }
+  static FittedCurvatures first_of(std::initializer_list<Attempt> attempts, const Vec3& normal,
+                                   std::span<const Vec3> offsets, double radius) {
+    for (const Attempt& attempt : attempts) {
+      attempt.fitter->start(normal);
+      for (const Vec3& d : offsets) attempt.fitter->add(d);
+      if (!attempt.fitter->fit(offsets.size(), radius, attempt.surface)) continue;
+      if (const FittedCurvatures found = attempt.fitter->curvatures(); found.defined) return found;
+    }
+    return {};
+  }
+
+  CurvatureOptions options_, through_, given_;
+  CurvatureFitter all_{options_}, no_offset_{through_}, no_slopes_{given_};
+};
 
 }  // namespace
 
@@ -137,42 +220,39 @@ std::vector<FittedCurvatures> estimate_vertex_curvatures(const PointSet& mesh, c
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
   if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
   const PositionGraph graph(mesh);
-  std::size_t enough = 0;
-  if (!options.bandwidth) {
-    PointSet distinct;  // copies of a vertex would be all of its nearest neighbours
-    for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (graph.representative[v] == v)
-        distinct.positions.push_back(mesh.positions[v]), distinct.normals.push_back(Vec3f(graph.normal[v]));
-    const int wanted = options.neighbours ? *options.neighbours
-                                          : choose_curvature_neighbours(
-                                                distinct, options.noise ? *options.noise : known_noise(distinct));
-    enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
-  }
+  CurvatureChoice choice{static_cast<std::size_t>(options.neighbours.value_or(0)), CurvatureSurface::quadric};
+  if (!options.bandwidth && !options.neighbours) choice = choose_on_mesh(mesh, graph, options);
+  const auto enough = static_cast<std::size_t>(kMostOfNeighbours * static_cast<double>(choice.neighbours));
   const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
-  CurvatureOptions through = options, given = options;
-  through.offset = given.offset = given.refit_normal = false;
   std::vector<FittedCurvatures> result(mesh.size());
   progress.begin("curvatures", mesh.size());
   parallel_ranges(0, mesh.size(), kLeastShare + mesh.size() / kShares, [&](std::size_t begin, std::size_t end) {
     RingWalk walk(graph);
-    CurvatureFitter all(options), no_offset(through), no_slopes(given);
-    CurvatureFitter* const fitters[] = {&all, &no_offset, &no_slopes};
+    VertexFitter fitter(options);
     std::vector<Vec3> offsets;
     for (std::size_t v = begin; v < end; ++v) {
       const Vec3 normal = graph.normal[v];
       if (graph.representative[v] != v || !(squared_norm(normal) > 0)) continue;
       const Vec3 x(mesh.positions[v]);
-      const auto& around = walk.around(
-          static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
-          [&](std::uint32_t w) { return !options.bandwidth || norm(Vec3(mesh.positions[w]) - x) <= within; });
-      offsets.clear();
-      double reach = 0;
-      for (const std::uint32_t w : around) {
-        if (dot(normal, graph.normal[w]) < kRoundTheRim) continue;
-        offsets.push_back(Vec3(mesh.positions[w]) - x);
-        reach = std::max(reach, norm(offsets.back()));
-      }
-      result[v] = fit_fewer_and_fewer(fitters, normal, offsets, options.bandwidth ? within : reach);
+      const auto fit = [&](int rings, CurvatureSurface surface) {
+        const auto& around = walk.around(
+            static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
+            [&](std::uint32_t w) { return !options.bandwidth || norm(Vec3(mesh.positions[w]) - x) <= within; }, rings);
+        offsets.clear();
+        if (surface == CurvatureSurface::quartic) offsets.emplace_back();  // the vertex itself
+        double reach = 0;
+        for (const std::uint32_t w : around) {
+          if (!beside(graph, normal, w)) continue;
+          offsets.push_back(Vec3(mesh.positions[w]) - x);
+          reach = std::max(reach, norm(offsets.back()));
+        }
+        return fitter.fit(normal, offsets, options.bandwidth ? within : reach, surface);
+      };
+      using Surface = CurvatureSurface;
+      if (choice.surface == Surface::directional) result[v] = fit(1, choice.surface);
+      if (choice.exact) result[v] = fit(kLeastRings, Surface::quartic_through);
+      if (!result[v].defined)
+        result[v] = fit(kLeastRings, choice.surface == Surface::quartic ? choice.surface : Surface::quadric);
     }
     progress.advance(end - begin);
   });

@@ -62,8 +62,9 @@ TEST_F(MeasureCommands, SectionComplaints) {
                    "--first must be finite");
     expect_failure({"section", "ball.ply", "--axis", "z", "--first", bad}, 2, "--first must be finite");
   }
-  expect_failure({"section", "ball.ply", "--axis", "z", "--first", "0", "--count", "3"}, 2, "--interval");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--first", "9", "--count", "3"}, 2, "--interval");
   expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "1e-320"}, 2, "planes");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "1e-6"}, 2, "--interval 1e-06 makes more than");
   EXPECT_EQ(json_of({"section", "ball.ply", "--axis", "z", "--interval", "1e308"})["planes"].size(), 1u);
   expect_failure({"section", "ball.ply", "--axis", "q"}, 2, "--axis");
   expect_failure({"section", "ball.ply", "-o", "x.png"}, 1, "x.png");
@@ -200,6 +201,10 @@ TEST_F(MeasureCommands, Compare) {
   EXPECT_NE(slurp(path("points.csv")).find("distance"), std::string::npos);
   const Json onto = json_of({"compare", "large.ply", "cloud.ply"});
   EXPECT_NEAR(onto["distance"]["mean"].get<double>(), 0.01, 2e-3);
+  EXPECT_GT(onto["reference"]["sampling"]["spacing"].get<double>(), 0.01);
+  EXPECT_LT(onto["reference"]["sampling"]["own_rms"].get<double>(), 0.01);
+  EXPECT_TRUE(points["part"]["sampling"]["noise_known"].get<bool>());
+  EXPECT_TRUE(reversed["part"]["sampling"].is_null());
 }
 
 TEST_F(MeasureCommands, CompareComplaints) {

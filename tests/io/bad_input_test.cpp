@@ -233,7 +233,8 @@ TEST(Reading, UnknownEndingsNameTheKnownOnes) {
     expect_unreadable(folder.put(name, rows), "ply obj off");
   expect_unreadable(folder.put("a.laz", rows), "LAZ");
   expect_unreadable(folder.put("a.e57", rows), "E57");
-  expect_unreadable(folder.put("a.glb", rows), "convert it");
+  expect_unreadable(folder.put("a.fbx", rows), "convert it");
+  expect_unreadable(folder.put("a.glb", rows), "no JSON");
   expect_file_error("(no name)", "the name of the file is empty", [] { read_points(""); });
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
+#include <random>
 
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
@@ -106,6 +108,10 @@ TEST(SectionJob, ChoosesPlanes) {
   EXPECT_EQ(heights({.axis = SectionAxis::z, .count = 3}), (std::vector<double>{-0.5, 0, 0.5}));
   EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 0.5}), (std::vector<double>{-0.75, -0.25, 0.25, 0.75}));
   EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = -0.5}), (std::vector<double>{0.75, 0.25, -0.25, -0.75}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 0.5, .count = 2}), (std::vector<double>{-0.75, -0.25}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = -0.5, .count = 2}), (std::vector<double>{0.75, 0.25}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .first = -0.5, .count = 3}), (std::vector<double>{-0.5, 0, 0.5}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .interval = 100}), (std::vector<double>{0}));
   EXPECT_EQ(heights({.planes = {parse_plane("z=0.25")}, .axis = SectionAxis::y, .first = 0.1}),
             (std::vector<double>{0.25, 0.1}));
 }
@@ -127,7 +133,7 @@ TEST(SectionJob, BadOptions) {
   const AnySurface ball(octasphere(1), "ball.ply");
   EXPECT_THROW(section(ball, {.interval = 1}, progress), ArgumentError);
   EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .interval = 0}, progress), ArgumentError);
-  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .first = 0, .count = 2}, progress), ArgumentError);
+  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .first = 1, .count = 2}, progress), ArgumentError);
   EXPECT_THROW(section(ball, {.resolution = 100}, progress), ArgumentError);
   EXPECT_THROW(section({points_of(octasphere(1)), "points"}, {}, progress), DataError);
 }
@@ -261,6 +267,56 @@ TEST(AlignJob, DrawsWhatHasMovedInOrange) {
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 80; ++x) orange += image.at(x, y)[0] > 1.5f * image.at(x, y)[2];
   EXPECT_GT(orange, 50u);
+}
+
+/// The unit sphere with this noise.
+TriangleMesh noisy_ball(double noise, std::size_t count) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> gauss;
+  TriangleMesh points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 n = normalized(Vec3{gauss(random), gauss(random), gauss(random)});
+    points.vertices.push_back(Vec3f(n * (1 + noise * gauss(random))));
+    points.normals.push_back(Vec3f(n));
+  }
+  return points;
+}
+
+TEST(CompareJob, NoisyPointsOnTheSurfaceAreDrawnAsOftenRedAsBlue) {
+  Progress progress;
+  const AnySurface scan(noisy_ball(0.02, 8000), "scan"), ball(octasphere(5), "ball");
+  const CompareResult made = compare(scan, ball, {}, progress);
+  RenderOptions look;
+  look.view.width = 300, look.view.height = 200, look.quality.samples = 1;
+  const Image image = draw_map(made, {}, look, "", progress).image;
+  int red = 0, blue = 0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const auto& c = image.at(x, y);
+      red += c[0] > c[2] + 0.04f, blue += c[2] > c[0] + 0.04f;
+    }
+  EXPECT_LT(red, 2 * blue) << red << ' ' << blue;
+}
+
+TEST(CompareJob, SamplingAndNoiseOfPointsAreReported) {
+  Progress progress;
+  const AnySurface scan(noisy_ball(0.02, 8000), "scan"), ball(octasphere(5), "ball");
+  const CompareResult onto = compare(ball, scan, {}, progress);
+  ASSERT_TRUE(onto.report.reference_points);
+  EXPECT_FALSE(onto.report.part_points);
+  EXPECT_NEAR(onto.report.reference_points->spacing, std::sqrt(4 * std::numbers::pi / 8000), 0.01);
+  EXPECT_NEAR(onto.report.reference_points->noise.deviation, 0.02, 0.004);
+  // The ball is the truth, so noise and sampling cause all of the distances.
+  const double rms = onto.map.statistics.rms;
+  EXPECT_NEAR(onto.report.reference_points->own_rms, rms, 0.15 * rms);
+  const std::vector<std::string> words = summary_of(onto, {}, "scan");
+  EXPECT_TRUE(std::any_of(words.begin(), words.end(), [](const std::string& line) {
+    return line.starts_with("reference ") && line.find("noise 0.0") != std::string::npos;
+  }));
+  const CompareResult from = compare(scan, ball, {}, progress);
+  ASSERT_TRUE(from.report.part_points);
+  EXPECT_FALSE(from.report.reference_points);
+  EXPECT_NEAR(from.report.part_points->own_rms, from.map.statistics.rms, 0.004);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <numbers>
 #include <numeric>
+#include <random>
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/error.h"
@@ -225,6 +226,70 @@ TEST(RefineEdges, ShortEdgesSameSurface) {
   EXPECT_FALSE(refine_edges(again, 1e-4, 1000));
   EXPECT_LE(again.triangles.size(), 1000u);
   EXPECT_THROW(refine_edges(again, 0), ArgumentError);
+}
+
+/// Samples of two parallel sheets, `gap` apart, facing away from each other, with noise along z. Of the sphere's map
+/// only the distances and the feet matter.
+struct NoisySheets {
+  TriangleMesh points;
+  DistanceMap map;
+
+  NoisySheets(double gap, double noise, const std::array<double, 2>& offset) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(0, 1);
+    std::normal_distribution<double> height(0, noise);
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < 5000; ++i) {
+        const double x = place(random), y = place(random), up = side == 0 ? 1 : -1;
+        const double d = offset[static_cast<std::size_t>(side)] + height(random);
+        points.vertices.push_back(Vec3f(Vec3{x, y, up * (0.5 * gap + d)}));
+        points.normals.push_back({0, 0, static_cast<float>(up)});
+        map.feet.push_back(Vec3f(Vec3{x, y, up * 0.5 * gap}));
+        map.distance.push_back(static_cast<float>(d));
+      }
+  }
+};
+
+TEST(LocalMedians, OutermostSamplesHaveTheDistanceOfTheirPlace) {
+  constexpr double kNoise = 0.02;
+  NoisySheets sheets(1, kNoise, {0, 0.03});
+  const std::vector<float> shown = local_medians(sheets.points, sheets.map, 0.05);
+  double sum = 0, own = 0;
+  int outermost = 0;
+  for (std::size_t i = 0; i < 5000; ++i) {
+    EXPECT_LT(std::abs(shown[i]), 2 * kNoise);
+    if (static_cast<double>(sheets.map.distance[i]) < 1.5 * kNoise) continue;
+    ++outermost, sum += static_cast<double>(shown[i]), own += static_cast<double>(sheets.map.distance[i]);
+  }
+  ASSERT_GT(outermost, 200);
+  EXPECT_GT(own / outermost, 1.5 * kNoise);
+  EXPECT_LT(std::abs(sum / outermost), 0.1 * kNoise);
+  for (std::size_t i = 5000; i < 10000; ++i) EXPECT_NEAR(shown[i], 0.03, 1.5 * kNoise);
+}
+
+TEST(LocalMedians, SheetsOfAThinPlateStayApartAndLeftOutPointsStayLeftOut) {
+  NoisySheets sheets(0.01, 1e-4, {0, 0.03});
+  sheets.map.distance[3] = std::numeric_limits<float>::quiet_NaN();
+  sheets.map.feet[3].x = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<float> shown = local_medians(sheets.points, sheets.map, 0.05);
+  for (std::size_t i = 0; i < 10000; ++i)
+    if (i != 3) EXPECT_NEAR(shown[i], i < 5000 ? 0 : 0.03, 1e-3) << i;
+  EXPECT_TRUE(std::isnan(shown[3]));
+  sheets.map.feet.clear();
+  EXPECT_THROW(local_medians(sheets.points, sheets.map, 0.05), ArgumentError);
+}
+
+TEST(LocalMedians, FeetOfACloudAreOnTheOtherSurface) {
+  TriangleMesh cloud = test::octasphere(4);
+  cloud.triangles.clear();
+  for (Vec3f& p : cloud.vertices) p *= 1.1f;
+  cloud.vertices[5] = {50, 0, 0};
+  const DistanceMap map = compare(cloud, test::octasphere(5));
+  ASSERT_EQ(map.feet.size(), cloud.vertices.size());
+  for (std::size_t i = 0; i < map.feet.size(); ++i)
+    if (i != 5) EXPECT_NEAR(norm(map.feet[i]), 1, 2e-3);
+  EXPECT_TRUE(std::isnan(map.feet[5].x));
+  EXPECT_TRUE(compare(test::octasphere(2), test::octasphere(3)).feet.empty());
 }
 
 }  // namespace

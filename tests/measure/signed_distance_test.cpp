@@ -373,5 +373,32 @@ TEST(FieldDistance, DistinguishesFarAndLostPoints) {
   EXPECT_TRUE(ask(surface, {0, 0, 0}).lost);
 }
 
+TEST(PointsDistance, ThePartThatSamplingAndNoiseCauseIsKnown) {
+  constexpr int kSamples = 20000;
+  for (const double noise : {0.0, 0.3, 1.0, 4.0})  // in spacings
+    for (const bool normals : {false, true}) {
+      std::mt19937 random(5);
+      const double side = std::sqrt(static_cast<double>(kSamples));
+      std::uniform_real_distribution<double> place(0, side);
+      std::normal_distribution<double> height;
+      TriangleMesh plane;
+      for (int i = 0; i < kSamples; ++i) {
+        plane.vertices.push_back(Vec3f(Vec3{place(random), place(random), noise * height(random)}));
+        if (normals) plane.normals.push_back({0, 0, 1});
+      }
+      const PointsDistance surface(plane);
+      double sum = 0;
+      constexpr int kQueries = 4000;
+      for (int i = 0; i < kQueries; ++i) {
+        const double x = 0.1 * side + 0.8 * place(random), y = 0.1 * side + 0.8 * place(random);
+        const double d = ask(surface, {x, y, 0}).distance;
+        sum += d * d;
+      }
+      const double found = std::sqrt(sum / kQueries);
+      EXPECT_NEAR(rms_to_samples(1, noise, normals), found, 0.03 * found + 0.005) << noise << ' ' << normals;
+    }
+  EXPECT_EQ(rms_to_samples(0, 1, true), 0);
+}
+
 }  // namespace
 }  // namespace sansmesh::inline v1

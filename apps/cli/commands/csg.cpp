@@ -45,9 +45,8 @@ Command add_csg(CommandLine& app) {
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
-      "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
-      "dashes\n"
-      "or blanks in quotes), the region above a value in a volume (data.vtu[Temp=300]) and\n"
+      "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, GLB, VTP; names\n"
+      "with dashes or blanks in quotes), the region above a value in a volume (data.vtu[Temp=300]) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
       "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"
