@@ -77,6 +77,7 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   CollapseOptions simplify;
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
+  if (options.triangles > 0) simplify.least_shape = kLeastShapeOfNumber;
   simplify.least_gain = options.least_gain;
   // Parts of a mesh without borders may be recomputed, and must match.
   simplify.in_patches = options.domain != nullptr;
