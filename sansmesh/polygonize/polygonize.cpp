@@ -87,6 +87,8 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   return changed;
 }
 
+constexpr std::size_t kFarFewer = 10;
+
 /// Vertices this close to the contour, as a fraction of a crossing edge, are moved onto it.
 constexpr float kSnapToContour = 0.3f;
 
@@ -155,8 +157,11 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     cut_off(*options.domain, on_cap, mesh, x);
     corners = VertexCorners(mesh.triangles, mesh.vertices.size());
   }
+  const std::size_t fine = mesh.triangles.size();
   if (simplified(options, mesh, x, progress)) {
-    place_again(placement, options, mesh, x);
+    // A number of triangles far below that of the surface leaves triangles off the surface: their vertices are placed
+    // so that these are nearest.
+    place_again(placement, options, options.triangles > 0 && fine > kFarFewer * mesh.triangles.size(), mesh, x);
   } else if (options.balance) {
     balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);
   }
