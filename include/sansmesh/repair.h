@@ -68,7 +68,7 @@ struct SANSMESH_API SimplifyOptions {
   /// Fewest triangles within this distance of the original (root mean square at each vertex; length, > 0).
   std::optional<double> error = {};
   /// Least shape 4√3 A / Σ l² (area A, edges l) of new triangles, 0..0.9: 0 allows any, 0.3 means angles of 10°, 0.56
-  /// of 20°; beside worse triangles they may be as bad. Default: 0.1, less if such triangles are too many; 0.3 for an
+  /// of 20°; beside worse triangles they may be as bad. Default: 0.01, 0 if such triangles are too many; 0.3 for an
   /// error.
   std::optional<double> triangle_shape = {};
 

@@ -28,7 +28,7 @@ constexpr double kDefaultRatio = 0.5;
 /// Share of the diagonal above which a distance is reported.
 constexpr double kFarOff = 0.01;
 /// Shape bounds for a number of triangles, best first: a worse one only if the number requires it.
-constexpr double kShapes[] = {kLeastShapeOfNumber, 0.01, 0};
+constexpr double kShapes[] = {kLeastShapeOfNumber, 0};
 constexpr double kShapeOfError = 0.3;  ///< shape bound for an error
 constexpr double kMostTriangles = 2'000'000'000;
 
@@ -99,7 +99,7 @@ const OptionSchema& SimplifyOptions::schema() {
                          .range = positive()}),
       option<&O::triangle_shape>({.text = "Least shape of new triangles: 0 any, 0.3 angles of 10°, 0.56 of 20°",
                                   .unit = "share",
-                                  .from_data = "0.1; less if necessary; with --error 0.3",
+                                  .from_data = "0.01, 0 if necessary; with --error 0.3",
                                   .range = {0, 0.9},
                                   .old_name = "shape"})};
   return option_schema<rows>();

@@ -6,8 +6,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Least shape for a number of triangles: costs decide, and no triangle becomes a sliver beside better ones.
-constexpr double kLeastShapeOfNumber = 0.1;
+/// Least shape for a number of triangles: the cost decides about all but degenerate ones. Long thin triangles are
+/// nearest to cylinders.
+constexpr double kLeastShapeOfNumber = 0.01;
 
 struct CollapseOptions {
   /// Largest root mean square distance of a vertex from the planes of the triangles merged into it (length, > 0; not

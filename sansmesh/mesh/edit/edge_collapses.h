@@ -99,9 +99,9 @@ struct EdgeCollapses {
   /// Adds planes along the borders at a border vertex, perpendicular to the surface, to a quadric.
   void add_borders(std::uint32_t v, Quadric& sum) const;
 
-  /// Computes the quadric of a vertex, with `add_borders`. Fixes non-manifold vertices, whose triangles are not one fan, and vertices of triangles without area:
-  /// such a triangle has no plane to hold it and no normal to detect a flip, so a strip of them along a crease would
-  /// open like a fan.
+  /// Computes the quadric of a vertex, with `add_borders`. Fixes non-manifold vertices, whose triangles are not one
+  /// fan, and vertices of triangles without area: such a triangle has no plane to hold it and no normal to detect a
+  /// flip, so a strip of them along a crease would open like a fan.
   void prepare(std::uint32_t v);
 
   enum class Fan { none, closed, open };

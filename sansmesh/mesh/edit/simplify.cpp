@@ -185,7 +185,8 @@ detail::VertexValues values_of(const TriangleMesh& mesh) {
     for (double& x : column) x = (x - low) / range;
     columns.push_back(std::move(column));
   };
-  for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k) add([&](std::size_t v) { return double(mesh.colors[v][k]); });
+  for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k)
+    add([&](std::size_t v) { return double(mesh.colors[v][k]); });
   for (const Attribute& a : mesh.attributes)
     for (std::size_t k = 0; k < a.components && is_real(a.type()); ++k)
       if (columns.size() < kMostValues) add([&](std::size_t v) { return a.number(v * a.components + k); });
