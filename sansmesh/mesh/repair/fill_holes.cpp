@@ -105,6 +105,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   };
   filling.triangles = detail::triangulate_hole({filling.x, beside, joined});
   if (filling.triangles.empty()) return filling;
+  detail::split_existing_edges(filling.triangles, filling.x, scale, joined);
   filling.done = true;
   if (!options.refine) return filling;
   detail::refine_patch(filling.triangles, filling.x, scale, n, kMostNewVertices, joined);
