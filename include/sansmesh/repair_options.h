@@ -121,6 +121,7 @@ struct SANSMESH_API SmoothReport {
   std::size_t vertices = 0;             ///< used by a triangle; coincident vertices count once
   std::size_t fixed = 0;                ///< fixed vertices: on boundaries or non-manifold edges
   double mean_edge = 0;                 ///< mean edge length before smoothing
+  double noise = 0;                     ///< estimated noise along the normals (standard deviation, length)
   double rms_move = 0;                  ///< displacement of the vertices, root mean square
   double largest_move = 0;              ///< largest displacement of a vertex
   int iterations = 0;                   ///< iterations used
