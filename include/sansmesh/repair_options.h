@@ -94,8 +94,8 @@ struct SANSMESH_API FillReport {
 
 /// Options of mesh smoothing.
 struct SANSMESH_API SmoothOptions {
-  /// Pairs of steps, 1..10000; with `creases`, rounds over the normals. Default: derived from `shorter_than`; else 10,
-  /// with `creases` 8.
+  /// Pairs of steps, 1..10000; with `creases`, rounds over the normals. Default: derived from `shorter_than`,
+  /// else from the noise.
   std::optional<int> iterations = {};
   /// Fraction of the way to the mean of the neighbours per step, above 0, up to 0.65: longer steps amplify waves of two
   /// edges.
