@@ -50,7 +50,7 @@ struct PlaneSums {
   }
 };
 
-/// Weighted sums of a value's gradients g and offsets o over triangles, for the value g·x + o, and of their squares.
+/// Weighted sums over triangles of the gradients g and offsets o of a value g·x + o.
 struct ValueSums {
   Vec3 g;
   double o = 0;
@@ -102,32 +102,35 @@ struct CheapestEdges {
 
   /// Adds the error of the values: the variance at x of the values that the triangles around the edge extend to x.
   void add_values(std::uint32_t a, std::uint32_t b, Quadric& q) const {
-    for (std::size_t column = 0; column < values.columns; ++column) {
-      Quadric squares;
-      ValueSums sum;
-      double weight = 0;
-      const auto add = [&](std::uint32_t i) {
-        const AreaPlane& p = plane[i];
-        if (!(p.inverse > 0)) return;
-        const Triangle& t = mesh.triangles[i];
-        Vec3 g;
-        for (std::size_t k = 0; k < 3; ++k)
-          g += (mesh.x[t[(k + 2) % 3]] - mesh.x[t[(k + 1) % 3]]) * values.of[t[k] * values.columns + column];
-        g = cross(p.n, g) * (p.inverse * p.inverse);
-        const double o = values.of[t[0] * values.columns + column] - dot(g, mesh.x[t[0]]), w = 1 / p.inverse;
-        squares.add_plane(g, -o, w);
-        sum.g += g * w, sum.o += o * w, weight += w;
-      };
-      for (const std::uint32_t i : mesh.ring(a)) add(i);
-      for (const std::uint32_t i : mesh.ring(b)) {
-        const Triangle& t = mesh.triangles[i];
-        if (t[0] != a && t[1] != a && t[2] != a) add(i);
+    const std::size_t columns = values.columns;
+    std::array<ValueSums, VertexValues::kMost> sum;
+    double weight = 0;
+    const auto add = [&](std::uint32_t i) {
+      const AreaPlane& p = plane[i];
+      if (!(p.inverse > 0)) return;
+      const Triangle& t = mesh.triangles[i];
+      const double w = 1 / p.inverse;
+      weight += w;
+      const double* const at[] = {&values.of[t[0] * columns], &values.of[t[1] * columns], &values.of[t[2] * columns]};
+      // Gradients of the barycentric coordinates of the last two corners.
+      const Vec3 n = p.n * (p.inverse * p.inverse), &x = mesh.x[t[0]];
+      const Vec3 g1 = cross(n, x - mesh.x[t[2]]), g2 = cross(n, mesh.x[t[1]] - x);
+      for (std::size_t column = 0; column < columns; ++column) {
+        const Vec3 g = g1 * (at[1][column] - at[0][column]) + g2 * (at[2][column] - at[0][column]);
+        const double o = at[0][column] - dot(g, x);
+        q.add_plane(g, -o, w);
+        sum[column].g += g * w, sum[column].o += o * w;
       }
-      if (!(weight > 0)) continue;
-      squares.add_plane(sum.g / weight, -sum.o / weight, -weight);
-      squares.weight = 0;
-      q += squares;
+    };
+    const double area = q.weight;
+    for (const std::uint32_t i : mesh.ring(a)) add(i);
+    for (const std::uint32_t i : mesh.ring(b)) {
+      const Triangle& t = mesh.triangles[i];
+      if (t[0] != a && t[1] != a && t[2] != a) add(i);
     }
+    for (std::size_t column = 0; column < columns && weight > 0; ++column)
+      q.add_plane(sum[column].g / weight, -sum[column].o / weight, -weight);
+    q.weight = area;
   }
 
   Collapse measure(std::uint32_t a, std::uint32_t b) const {

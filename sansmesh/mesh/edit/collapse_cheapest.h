@@ -11,7 +11,8 @@ namespace sansmesh::inline v1::detail {
 
 /// Values of the vertices that the costs take into account, such as colours.
 struct VertexValues {
-  std::size_t columns = 0;
+  static constexpr std::size_t kMost = 8;
+  std::size_t columns = 0;  ///< at most kMost
   std::vector<double> of;  ///< `columns` per vertex, scaled to lengths
 };
 
