@@ -59,7 +59,7 @@ struct ValueSums {
 /// Collapse of an edge.
 struct Merge {
   std::uint32_t from, into;
-  double share;  ///< of `from` in the properties of the merged vertex
+  double share;  ///< share of `from` in the properties of the merged vertex
 };
 
 struct CheapestEdges {

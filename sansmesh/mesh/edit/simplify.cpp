@@ -22,14 +22,14 @@ namespace {
 
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRounds = 200;
-constexpr double kValueShare = 0.002;  // of the diagonal: distance as bad as the full range of a colour or attribute
+constexpr double kValueShare = 0.002;  // distance as bad as the range of a colour or attribute, over the diagonal
 constexpr double kFirstStage = 16;  // the errors of the stages double from this fraction of the limit
 
 struct Simplifier : detail::EdgeCollapses {
   // Least key of the collapses with a vertex as an end, and of those that change its ring.
   std::vector<std::uint64_t> end_claim, ring_claim;
   detail::VertexValues values;
-  std::vector<double> weight;  // of each vertex in the properties of the merged one
+  std::vector<double> weight;  // share of each vertex in the properties of the merged one
 
   using EdgeCollapses::EdgeCollapses;
 
