@@ -13,7 +13,7 @@ namespace sansmesh::inline v1::detail {
 struct VertexValues {
   static constexpr std::size_t kMost = 8;
   std::size_t columns = 0;  ///< at most kMost
-  std::vector<double> of;  ///< `columns` per vertex, scaled to lengths
+  std::vector<double> of;   ///< `columns` per vertex, scaled to lengths
 };
 
 /// Collapses edges of a mesh with `prepare`d vertices in the order of their cost until at most `target` triangles are

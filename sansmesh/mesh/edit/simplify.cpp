@@ -23,7 +23,7 @@ namespace {
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRounds = 200;
 constexpr double kValueShare = 0.002;  // distance as bad as the range of a colour or attribute, over the diagonal
-constexpr double kFirstStage = 16;  // the errors of the stages double from this fraction of the limit
+constexpr double kFirstStage = 16;     // the errors of the stages double from this fraction of the limit
 
 struct Simplifier : detail::EdgeCollapses {
   // Least key of the collapses with a vertex as an end, and of those that change its ring.
@@ -188,7 +188,8 @@ detail::VertexValues values_of(const TriangleMesh& mesh) {
     add([&](std::size_t v) { return double(mesh.colors[v][k]); });
   for (const Attribute& a : mesh.attributes)
     for (std::size_t k = 0; k < a.components && is_real(a.type()); ++k)
-      if (columns.size() < detail::VertexValues::kMost) add([&](std::size_t v) { return a.number(v * a.components + k); });
+      if (columns.size() < detail::VertexValues::kMost)
+        add([&](std::size_t v) { return a.number(v * a.components + k); });
   detail::VertexValues values;
   values.columns = columns.size();
   values.of.resize(values.columns * n);
