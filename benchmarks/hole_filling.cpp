@@ -106,7 +106,7 @@ Outcome outcome_of(const TriangleMesh& mesh, bool list) {
     for (std::size_t k = 0; k < 3; ++k) near[t[k]].push_back(t[(k + 1) % 3]);
   Outcome outcome;
   const double diagonal = bounds(mesh).diagonal();
-  for (int i = 0; outcome.places < kPlaces && i < 3 * kPlaces; ++i) {
+  for (int i = 0; outcome.places < kPlaces && i < 40 * kPlaces; ++i) {
     const auto seed = static_cast<std::uint32_t>((static_cast<std::uint64_t>(i) * 2654435761u) % mesh.vertices.size());
     const double diameter = kLeastShare + (kMostShare - kLeastShare) * (0.15 + 0.7 * (i % 5) / 4);
     cut_and_fill(mesh, region_at(mesh, near, seed, 0.53 * diameter * diagonal), outcome, list);
