@@ -68,7 +68,8 @@ struct SANSMESH_API SimplifyOptions {
   /// Fewest triangles within this distance of the original (root mean square at each vertex; length, > 0).
   std::optional<double> error = {};
   /// Least shape 4√3 A / Σ l² (area A, edges l) of new triangles, 0..0.9: 0 allows any, 0.3 means angles of 10°, 0.56
-  /// of 20°. Default: 0.3; less if such triangles are too many, or much farther off than worse ones.
+  /// of 20°; beside worse triangles they may be as bad. Default: 0.01, 0 if such triangles are too many; 0.3 for an
+  /// error.
   std::optional<double> triangle_shape = {};
 
   static const OptionSchema& schema();  ///< option rows, one per field
@@ -83,8 +84,6 @@ struct SANSMESH_API SimplifyReport {
   std::size_t joined_vertices = 0;  ///< vertices of the original merged with a coincident one
   SurfaceDistance distance;         ///< between the original and the result, in both directions
   double least_shape = 0;           ///< least shape required of new triangles
-  /// Distance of the best shapes (length), if worse ones were nearer and were used.
-  std::optional<double> farthest_by_shape;
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -94,8 +94,8 @@ struct SANSMESH_API FillReport {
 
 /// Options of mesh smoothing.
 struct SANSMESH_API SmoothOptions {
-  /// Pairs of steps, 1..10000; with `creases`, rounds over the normals. Default: derived from `shorter_than`; else 10,
-  /// with `creases` 8.
+  /// Pairs of steps, 1..10000; with `creases`, rounds over the normals. Default: derived from `shorter_than`,
+  /// else from the noise.
   std::optional<int> iterations = {};
   /// Fraction of the way to the mean of the neighbours per step, above 0, up to 0.65: longer steps amplify waves of two
   /// edges.
@@ -121,6 +121,7 @@ struct SANSMESH_API SmoothReport {
   std::size_t vertices = 0;             ///< used by a triangle; coincident vertices count once
   std::size_t fixed = 0;                ///< fixed vertices: on boundaries or non-manifold edges
   double mean_edge = 0;                 ///< mean edge length before smoothing
+  double noise = 0;                     ///< estimated noise along the normals (standard deviation, length)
   double rms_move = 0;                  ///< displacement of the vertices, root mean square
   double largest_move = 0;              ///< largest displacement of a vertex
   int iterations = 0;                   ///< iterations used

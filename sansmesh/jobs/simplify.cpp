@@ -24,15 +24,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// First error bound if only a number of triangles is given, as a share of the diagonal; it grows from there.
-constexpr double kFirstError = 1e-5;
 constexpr double kDefaultRatio = 0.5;
 /// Share of the diagonal above which a distance is reported.
 constexpr double kFarOff = 0.01;
-/// Shape bounds, best first. A worse bound is used only if the number of triangles requires it, or if it reduces the
-/// distance to this share where the better shapes are far off.
-constexpr double kShapes[] = {0.3, 0.1, 0};
-constexpr double kWorthIt = 0.7;
+/// Shape bounds for a number of triangles, best first: a worse one only if the number requires it.
+constexpr double kShapes[] = {kLeastShapeOfNumber, 0};
+constexpr double kShapeOfError = 0.3;  ///< shape bound for an error
 constexpr double kMostTriangles = 2'000'000'000;
 
 /// A simplified mesh with its distance from the original.
@@ -46,13 +43,12 @@ struct Simplified {
   bool far_off() const { return distance.diagonal > 0 && farthest() > kFarOff * distance.diagonal; }
 };
 
-/// Starts with the given index of kShapes, or uses the given shape.
-Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const TriangleMesh& original,
-                         const SimplifyOptions& asked, CollapseOptions options, Progress& progress) {
+Simplified simplified(TriangleMesh mesh, const TriangleMesh& original, const SimplifyOptions& asked,
+                      CollapseOptions options, Progress& progress) {
   progress.begin("simplify");
-  for (std::size_t k = first_shape; k < std::size(kShapes); ++k) {
-    options.least_shape = asked.triangle_shape.value_or(kShapes[k]);
-    if (options.error > 0) simplify_mesh(mesh, options, progress);
+  for (const double shape : kShapes) {
+    options.least_shape = asked.triangle_shape.value_or(asked.error ? kShapeOfError : shape);
+    if (!mesh.triangles.empty()) simplify_mesh(mesh, options, progress);
     if (asked.triangle_shape || asked.error || mesh.triangles.size() <= options.triangles) break;
   }
   Simplified made{std::move(mesh), {}, options.least_shape};
@@ -103,7 +99,7 @@ const OptionSchema& SimplifyOptions::schema() {
                          .range = positive()}),
       option<&O::triangle_shape>({.text = "Least shape of new triangles: 0 any, 0.3 angles of 10°, 0.56 of 20°",
                                   .unit = "share",
-                                  .from_data = "0.3; less if necessary",
+                                  .from_data = "0.01, 0 if necessary; with --error 0.3",
                                   .range = {0, 0.9},
                                   .old_name = "shape"})};
   return option_schema<rows>();
@@ -126,21 +122,15 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // also drops vertices without triangles
   CollapseOptions collapse;
-  collapse.error = options.error.value_or(kFirstError * bounds(mesh).diagonal());
+  collapse.error = options.error.value_or(0);
   if (!options.error)
     collapse.triangles = options.triangles.value_or(index_in<std::size_t>(
         std::round(options.ratio.value_or(kDefaultRatio) * static_cast<double>(original.triangles.size())), 4,
         std::max<std::size_t>(4, original.triangles.size())));
-  Simplified best = simplify_from(0, mesh, original, options, collapse, progress);
-  const double by_shape = best.farthest();
-  for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !options.triangle_shape && !options.error; ++k) {
-    Simplified other = simplify_from(k, mesh, original, options, collapse, progress);
-    if (other.farthest() < kWorthIt * best.farthest()) best = std::move(other);
-  }
+  Simplified best = simplified(std::move(mesh), original, options, collapse, progress);
   if (collapse.triangles > 0 && best.mesh.triangles.size() > collapse.triangles)
     result.notes.push_back(more_triangles_note(best.mesh, collapse.triangles));
   if (best.far_off()) result.notes.push_back(far_off_note(options, best));
-  if (best.farthest() < by_shape) result.report.farthest_by_shape = by_shape;
   result.report.distance = best.distance;
   result.report.least_shape = best.shape;
   result.mesh = std::move(best.mesh);
@@ -158,9 +148,7 @@ const ReportSchema& SimplifyReport::schema() {
           {.name = "from_original", .text = "Distances from the original to the result"}),
       reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
           {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
-      reported<&SimplifyReport::least_shape>({.text = "Least shape of new triangles"}),
-      reported<&SimplifyReport::farthest_by_shape>(
-          {.text = "Distance of the best shapes, if worse ones were used", .unit = "length"})};
+      reported<&SimplifyReport::least_shape>({.text = "Least shape of new triangles"})};
   return report_schema<rows>();
 }
 
@@ -175,9 +163,6 @@ std::vector<std::string> summary_of(const SimplifyResult& made) {
       titled("to original", distance_words(r.distance.to_reference, r.distance)),
       titled("from original", distance_words(r.distance.from_reference, r.distance)),
       "(in brackets: % of the diagonal of the original's bounding box)"};
-  if (r.farthest_by_shape)
-    lines.push_back("worse triangles than usual: the best shapes would be up to " + length_words(*r.farthest_by_shape) +
-                    " off");
   return lines;
 }
 

@@ -152,7 +152,7 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
     simplify.error = options.simplify;
     simplify.triangles = options.triangles;
     simplify.least_gain = options.least_gain;
-    simplify.least_shape = kLeastShape;
+    simplify.least_shape = options.triangles > 0 ? kLeastShapeOfNumber : kLeastShape;
     const bool changed = simplify_mesh(mesh, simplify, progress);
     progress.begin("place vertices again");
     if (changed) pieces = recall_pieces(field, positions(mesh), std::move(mesh.triangles));

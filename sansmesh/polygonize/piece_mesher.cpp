@@ -227,7 +227,7 @@ void PieceMesher::simplify(const Vec3& origin, Progress& progress) {
   CollapseOptions simplify;
   simplify.error = options_.simplify;
   simplify.triangles = options_.triangles;
-  simplify.least_shape = kLeastShapeOfPieces;
+  simplify.least_shape = options_.triangles > 0 ? kLeastShapeOfNumber : kLeastShapeOfPieces;
   simplify.limits = limits;
   std::vector<std::uint32_t> from;
   std::vector<std::uint32_t> becomes;

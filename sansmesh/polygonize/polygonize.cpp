@@ -78,6 +78,7 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   CollapseOptions simplify;
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
+  if (options.triangles > 0) simplify.least_shape = kLeastShapeOfNumber;
   simplify.least_gain = options.least_gain;
   // Parts of a mesh without borders may be recomputed, and must match.
   simplify.in_patches = options.domain != nullptr;
@@ -86,6 +87,8 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   progress.begin("place vertices again");
   return changed;
 }
+
+constexpr std::size_t kFarFewer = 10;
 
 /// Vertices this close to the contour, as a fraction of a crossing edge, are moved onto it.
 constexpr float kSnapToContour = 0.3f;
@@ -158,8 +161,12 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     cut_off(*options.domain, on_cap, mesh, x);
     corners = VertexCorners(mesh.triangles, mesh.vertices.size());
   }
+  const std::size_t fine = mesh.triangles.size();
   if (simplified(options, mesh, x, progress)) {
-    place_again(placement, options, mesh, x);
+    // A number of triangles far below that of the surface leaves triangles off the surface: their vertices are placed
+    // so that these are nearest.
+    const bool far_fewer = options.triangles > 0 && fine > kFarFewer * mesh.triangles.size();
+    place_again(placement, options, far_fewer, mesh, x);
     if (options.creases) turn_edges_to_creases(placement, x, mesh.triangles);
   } else if (options.balance) {
     balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);

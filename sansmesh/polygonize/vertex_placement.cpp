@@ -119,7 +119,8 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const VertexCor
   }
 }
 
-void place_again(const ScalarField& field, const PolygonizeOptions& options, TriangleMesh& mesh, std::vector<Vec3>& x) {
+void place_again(const ScalarField& field, const PolygonizeOptions& options, bool keep, TriangleMesh& mesh,
+                 std::vector<Vec3>& x) {
   const std::size_t n = mesh.vertices.size();
   x.resize(n);
   parallel_for(0, n, 8192, [&](std::size_t i) { x[i] = mesh.origin + Vec3(mesh.vertices[i]); });
@@ -140,9 +141,9 @@ void place_again(const ScalarField& field, const PolygonizeOptions& options, Tri
       edge = std::min({edge, squared_norm(b - a), squared_norm(c - a)});
     }
     mesh.normals[v] = Vec3f(normal);
-    if (smooth && options.root_steps > 0 && f[v] * f[v] < 0.04 * edge * slope2) x[v] -= g[v] * (f[v] / slope2);
+    if (smooth && !keep && options.root_steps > 0 && f[v] * f[v] < 0.04 * edge * slope2) x[v] -= g[v] * (f[v] / slope2);
   });
-  if (options.balance) balance_gaps(field, mesh.triangles, corners, mesh.normals, x);
+  if (options.balance && !keep) balance_gaps(field, mesh.triangles, corners, mesh.normals, x);
 }
 
 }  // namespace sansmesh::inline v1

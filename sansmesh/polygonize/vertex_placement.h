@@ -28,7 +28,8 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const VertexCor
                          const std::vector<Vec3f>& normals, int rounds, std::vector<Vec3>& x);
 
 /// After simplification: moves vertices back onto the surface, or makes triangles straddle it, where it is smooth. At
-/// creases they keep the positions that the quadrics give.
-void place_again(const ScalarField& field, const PolygonizeOptions& options, TriangleMesh& mesh, std::vector<Vec3>& x);
+/// creases they keep the positions that the quadrics give, and everywhere with `keep`. Computes the normals.
+void place_again(const ScalarField& field, const PolygonizeOptions& options, bool keep, TriangleMesh& mesh,
+                 std::vector<Vec3>& x);
 
 }  // namespace sansmesh::inline v1

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
+#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
@@ -179,6 +180,49 @@ TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
   EXPECT_GT(report.found.loops[0].vertices.size(), 250u);
   EXPECT_EQ(report.filled, report.found.loops.size());
   EXPECT_TRUE(measure_topology(cut).closed());
+}
+
+TEST(FillHoles, LongJaggedBordersAreCrossed) {
+  // Square of n × n quads around a round hole of some 400 edges; many triangles at it have two border edges.
+  constexpr std::uint32_t n = 130;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t k = 0; k <= n; ++k)
+      mesh.vertices.push_back({static_cast<float>(i), static_cast<float>(k) + 0.4f * static_cast<float>(i % 2), 0});
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t a = i * (n + 1) + k, b = a + n + 1;
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+  const double whole = measure_quality(mesh).area;
+  mesh = without(mesh, [](const Vec3f& p) { return norm(p - Vec3f{65, 65, 0}) < 50; });
+  Progress progress;
+  FillOptions options;
+  options.largest = 150;
+  const FillReport report = fill_holes(mesh, options, progress);
+  EXPECT_EQ(report.filled, 1u);
+  EXPECT_EQ(report.failed, 0u);
+  EXPECT_GT(report.found.loops[1].vertices.size(), 240u);
+  EXPECT_EQ(measure_topology(mesh).boundary_loops, 1u);
+  EXPECT_EQ(measure_topology(mesh).nonmanifold_edges, 0u);
+  EXPECT_NEAR(measure_quality(mesh).area, whole, 1e-3 * whole);  // no triangle folds over another
+}
+
+TEST(FillHoles, ExistingEdgesAreSplit) {
+  // An octahedron without the four triangles around a vertex, whose square hole has both diagonals already.
+  TriangleMesh mesh;
+  mesh.vertices = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {2, 2, -2}, {2, -2, -3}};
+  for (std::uint32_t k = 0; k < 4; ++k) mesh.triangles.push_back({(k + 1) % 4, k, 4});
+  mesh.triangles.push_back({0, 2, 5});
+  mesh.triangles.push_back({1, 3, 6});
+  Progress progress;
+  FillOptions options;
+  options.edges = 4, options.refine = false;
+  const FillReport report = fill_holes(mesh, options, progress);
+  EXPECT_GE(report.filled, 1u);
+  EXPECT_EQ(report.failed, 0u);
+  EXPECT_EQ(measure_topology(mesh).nonmanifold_edges, 0u);
 }
 
 TEST(FillHoles, WhatIsNotManifoldIsNamed) {

@@ -274,6 +274,79 @@ TEST(Simplify, CarriesAttributes) {
   }
 }
 
+TEST(Simplify, ToANumberPreservesTheVolume) {
+  const TriangleMesh ball = test::octasphere(6);
+  const double volume = measure_quality(ball).volume;
+  for (const std::size_t triangles : {2000u, 200u}) {
+    const TriangleMesh few = simplified(ball, 1e-6, triangles);
+    EXPECT_NEAR(measure_quality(few).volume, volume, 2e-3 * volume) << triangles;
+  }
+}
+
+/// Stepped profile turned around z in n steps, as CAD programs tessellate it: long thin triangles.
+TriangleMesh turned_part(std::uint32_t n) {
+  const std::vector<std::array<double, 2>> profile{{.3, 0},    {1.5, 0}, {1.5, .3}, {1.36, .31}, {1.2, .4},
+                                                   {1.11, .5}, {1.1, 2}, {.8, 2.1}, {.8, 3},     {.3, 3}};
+  TriangleMesh mesh;
+  const auto rows = static_cast<std::uint32_t>(profile.size());
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (const auto& [r, z] : profile) {
+      const double turn = 2 * std::numbers::pi * k / n;
+      mesh.vertices.push_back(Vec3f(Vec3{r * std::cos(turn), r * std::sin(turn), z}));
+    }
+  for (std::uint32_t k = 0; k < n; ++k)
+    for (std::uint32_t i = 0; i < rows; ++i) {
+      const std::uint32_t a = k * rows + i, b = k * rows + (i + 1) % rows, c = (a + rows) % (n * rows),
+                          d = (b + rows) % (n * rows);
+      mesh.triangles.push_back({a, c, d});
+      mesh.triangles.push_back({a, d, b});
+    }
+  return mesh;
+}
+
+TEST(Simplify, SliversOfTheInputDoNotBlockOthers) {
+  const TriangleMesh part = turned_part(400);
+  Progress progress;
+  TriangleMesh few = part;
+  simplify_mesh(few, {.triangles = part.triangles.size() / 10, .least_shape = kLeastShapeOfNumber}, progress);
+  const SurfaceDistance d = distance(few, part);
+  const double diagonal = bounds(part).diagonal();
+  EXPECT_LT(d.to_reference.mean + d.from_reference.mean, 1e-3 * diagonal);
+  EXPECT_LT(std::max(d.to_reference.max, d.from_reference.max), 5e-3 * diagonal);
+  EXPECT_EQ(measure_topology(few).genus(), 1);
+}
+
+TEST(Simplify, ColoursAreInTheCost) {
+  // A flat square, in two colours with a wavy border between them.
+  constexpr std::uint32_t n = 60;
+  const auto is_red = [](double x, double y) { return y < 0.5 + 0.2 * std::sin(9 * x); };
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t k = 0; k <= n; ++k) {
+      const double x = i / double{n}, y = k / double{n};
+      mesh.vertices.push_back(Vec3f(Vec3{x, y, 0}));
+      mesh.colors.push_back(is_red(x, y) ? std::array<std::uint8_t, 3>{250, 0, 0}
+                                         : std::array<std::uint8_t, 3>{0, 0, 0});
+    }
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t a = i * (n + 1) + k, b = a + n + 1;
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+  const TriangleMesh few = simplified(mesh, 1e-5, mesh.triangles.size() / 10);
+  double off = 0, area = 0;  // at the centres of the triangles
+  for (const Triangle& t : few.triangles) {
+    Vec3 middle;
+    double red = 0;
+    for (const std::uint32_t v : t) middle += Vec3(few.vertices[v]) / 3, red += few.colors[v][0] / 750.0;
+    const Vec3 a(few.vertices[t[0]]), b(few.vertices[t[1]]), c(few.vertices[t[2]]);
+    const double size = norm(cross(b - a, c - a));
+    off += size * std::abs(red - is_red(middle.x, middle.y)), area += size;
+  }
+  EXPECT_LT(off / area, 0.05);
+}
+
 TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
   // Large enough, and repeated, for concurrent collapses.
   const TriangleMesh ring = test::torus_mesh(300, 200);

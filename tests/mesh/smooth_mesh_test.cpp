@@ -156,6 +156,37 @@ TriangleMesh fine_prism(const std::vector<std::pair<double, double>>& outline, c
   return mesh;
 }
 
+TEST(SmoothMesh, TheAmountFollowsTheNoise) {
+  const TriangleMesh clean = octasphere(5);
+  const double edge = 0.048;
+  double last = -1;
+  for (const double noise : {0.0, 0.1, 0.2, 0.3}) {
+    TriangleMesh mesh = shaken(clean, noise * edge);
+    Progress progress;
+    const SmoothReport report = smooth_mesh(mesh, {}, progress);
+    EXPECT_NEAR(report.noise, noise * edge, 0.03 * edge + 0.2 * noise * edge);
+    EXPECT_GT(report.iterations, last);
+    last = report.iterations;
+    EXPECT_LT(rms_off_sphere(mesh), 0.6 * noise * edge + 0.003 * edge) << noise;
+  }
+}
+
+TEST(SmoothMesh, CreasesStayUnderNoiseOfHalfAnEdge) {
+  const TriangleMesh clean = fine_cube();
+  SmoothOptions options;
+  options.creases = true;
+  Progress progress;
+  TriangleMesh noisy = shaken(clean, 0.05);
+  const double before = rms_off_cube(noisy);
+  const SmoothReport report = smooth_mesh(noisy, options, progress);
+  EXPECT_GT(report.noise, 0.3 * report.mean_edge);
+  EXPECT_LT(rms_off_cube(noisy), 0.3 * before);
+  EXPECT_NEAR(*report.volume_after / 8, 1, 0.01);
+  TriangleMesh same = clean;
+  smooth_mesh(same, options, progress);
+  EXPECT_LT(rms_off_cube(same), 1e-4);
+}
+
 TEST(SmoothMesh, CreasesKeepTheVolumeToo) {
   // A hinge of two leaves thinner than the edges, which would lose a fifth of its volume; a box; a cylinder. The noise
   // is a third of an edge.

@@ -118,16 +118,6 @@ void EdgeCollapses::prepare(std::uint32_t v) {
   fixed[v] = fan == Fan::none;
   border[v] = fan == Fan::open;
   quadric[v] = {};
-  std::vector<std::uint32_t> met;  // neighbours, once per triangle: counting in rings is slow
-  if (border[v] && crowded(v)) {
-    for (const std::uint32_t i : ring(v)) met.insert(met.end(), {after(triangles[i], v), before(triangles[i], v)});
-    std::sort(met.begin(), met.end());
-  }
-  const auto at_border = [&](std::uint32_t w) {
-    if (met.empty()) return triangles_at(v, w) == 1;
-    const auto [begin, end] = std::equal_range(met.begin(), met.end(), w);
-    return end - begin == 1;
-  };
   for (const std::uint32_t i : ring(v)) {
     const Triangle& t = triangles[i];
     const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
@@ -140,14 +130,34 @@ void EdgeCollapses::prepare(std::uint32_t v) {
     }
     const Vec3 n = area / size;
     quadric[v].add_plane(n, dot(n, x[t[0]]), size);
-    if (!border[v]) continue;
+  }
+  add_borders(v, quadric[v]);
+}
+
+void EdgeCollapses::add_borders(std::uint32_t v, Quadric& sum) const {
+  if (!border[v]) return;
+  std::vector<std::uint32_t> met;  // neighbours, once per triangle: counting in rings is slow
+  if (crowded(v)) {
+    for (const std::uint32_t i : ring(v)) met.insert(met.end(), {after(triangles[i], v), before(triangles[i], v)});
+    std::sort(met.begin(), met.end());
+  }
+  const auto at_border = [&](std::uint32_t w) {
+    if (met.empty()) return triangles_at(v, w) == 1;
+    const auto [begin, end] = std::equal_range(met.begin(), met.end(), w);
+    return end - begin == 1;
+  };
+  for (const std::uint32_t i : ring(v)) {
+    const Triangle& t = triangles[i];
+    const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
+    const double size = norm(area);
+    if (!(size > 0)) continue;
     for (const std::uint32_t w : {after(t, v), before(t, v)}) {
       if (!at_border(w)) continue;
-      const Vec3 along = x[w] - x[v], m = normalized(cross(along, n));
+      const Vec3 along = x[w] - x[v], m = normalized(cross(along, area / size));
       // The border adds to the error with its full weight, but not to the weight that normalises the mean.
-      const double weight = quadric[v].weight;
-      quadric[v].add_plane(m, dot(m, x[v]), squared_norm(along));
-      quadric[v].weight = weight;
+      const double weight = sum.weight;
+      sum.add_plane(m, dot(m, x[v]), squared_norm(along));
+      sum.weight = weight;
     }
   }
 }
@@ -215,7 +225,13 @@ bool EdgeCollapses::link_condition(std::uint32_t a, std::uint32_t b) const {
   return common == opposite && triangles_at(a, b) == opposite;
 }
 
-bool EdgeCollapses::keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p) const {
+double EdgeCollapses::shape_of(const Triangle& t) const {
+  const Vec3 &p = x[t[0]], &q = x[t[1]], &r = x[t[2]];
+  const double sum = squared_norm(q - p) + squared_norm(r - p) + squared_norm(q - r);
+  return sum > 0 ? 2 * std::sqrt(3.0) * norm(cross(q - p, r - p)) / sum : 0;
+}
+
+bool EdgeCollapses::keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p, const Guard& guard) const {
   for (const std::uint32_t i : ring(moved)) {
     const Triangle& t = triangles[i];
     if (t[0] == other || t[1] == other || t[2] == other) continue;
@@ -223,10 +239,10 @@ bool EdgeCollapses::keeps_shape(std::uint32_t moved, std::uint32_t other, const 
     const Vec3 &q = x[t[(at + 1) % 3]], &r = x[t[(at + 2) % 3]];
     const Vec3 before = cross(q - x[moved], r - x[moved]), after = cross(q - p, r - p);
     const double area_before = norm(before), area_after = norm(after);
-    if (dot(before, after) < kTurn * area_before * area_after || !(area_after > 0)) return false;
+    if (dot(before, after) < guard.cosine * area_before * area_after || !(area_after > 0)) return false;
     const double sum_after = squared_norm(q - p) + squared_norm(r - p) + squared_norm(q - r);
     const double shape = 2 * std::sqrt(3.0) * area_after / sum_after;
-    if (shape >= options.least_shape) continue;
+    if (shape >= guard.shape) continue;
     const double sum_before = squared_norm(q - x[moved]) + squared_norm(r - x[moved]) + squared_norm(q - r);
     if (shape < 2 * std::sqrt(3.0) * area_before / sum_before) return false;
   }
@@ -241,8 +257,12 @@ EdgeCollapses::Collapse EdgeCollapses::measure(std::uint32_t a, std::uint32_t b)
 }
 
 bool EdgeCollapses::possible(std::uint32_t a, const Collapse& c) const {
+  return possible(a, c, {.shape = options.least_shape, .cosine = kTurn});
+}
+
+bool EdgeCollapses::possible(std::uint32_t a, const Collapse& c, const Guard& guard) const {
   return valence[a] + valence[c.with] <= kMostRing + 2 * lost(a, c.with) && link_condition(a, c.with) &&
-         keeps_shape(a, c.with, c.position) && keeps_shape(c.with, a, c.position);
+         keeps_shape(a, c.with, c.position, guard) && keeps_shape(c.with, a, c.position, guard);
 }
 
 void EdgeCollapses::find_cheapest(std::uint32_t v) {
@@ -292,9 +312,9 @@ std::array<std::uint32_t, 4> EdgeCollapses::touched(std::uint32_t v) const {
   return result;
 }
 
-void EdgeCollapses::collapse(std::uint32_t v, std::size_t start) {
+void EdgeCollapses::collapse(std::uint32_t v, const Vec3& p, std::size_t start) {
   const std::uint32_t w = to[v];
-  x[w] = measure(v, w).position;
+  x[w] = p;
   quadric[w] += quadric[v];
   border[w] |= border[v];
   if (!limit.empty()) limit[w] = std::min(limit[w], limit[v]);
@@ -355,14 +375,15 @@ void EdgeCollapses::collapse_in_turn() {
     queue.pop();
     if (to[v] == kNoVertex || key(v) != k) continue;  // outdated
     const std::uint32_t w = to[v];
-    if (!possible(v, measure(v, w))) {
+    const Collapse merged = measure(v, w);
+    if (!possible(v, merged)) {
       look(v);
       continue;
     }
     const std::size_t start = around.size();
     around.resize(start + valence[v] + valence[w]);
     --left, left_triangles -= lost(v, w);
-    collapse(v, start);
+    collapse(v, merged.position, start);
     look(w);
     for (const std::uint32_t r : ring(w))
       for (const std::uint32_t u : triangles[r])

@@ -96,10 +96,12 @@ struct EdgeCollapses {
     hubs.clear();
   }
 
-  /// Computes the quadric of a vertex, at borders with additional planes along the border and perpendicular to the
-  /// surface. Fixes non-manifold vertices, whose triangles are not one fan, and vertices of triangles without area:
-  /// such a triangle has no plane to hold it and no normal to detect a flip, so a strip of them along a crease would
-  /// open like a fan.
+  /// Adds planes along the borders at a border vertex, perpendicular to the surface, to a quadric.
+  void add_borders(std::uint32_t v, Quadric& sum) const;
+
+  /// Computes the quadric of a vertex, with `add_borders`. Fixes non-manifold vertices, whose triangles are not one
+  /// fan, and vertices of triangles without area: such a triangle has no plane to hold it and no normal to detect a
+  /// flip, so a strip of them along a crease would open like a fan.
   void prepare(std::uint32_t v);
 
   enum class Fan { none, closed, open };
@@ -133,13 +135,25 @@ struct EdgeCollapses {
   /// one at a border. An edge between two border vertices must be a border edge.
   bool link_condition(std::uint32_t a, std::uint32_t b) const;
 
-  /// Whether no remaining triangle around `moved` turns too far or becomes too thin if that vertex moves to p.
-  bool keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p) const;
+  /// Requirements on triangles that a collapse changes.
+  struct Guard {
+    double shape = 0;   ///< least shape (as CollapseOptions::least_shape) of those that are not worse already
+    double cosine = 0;  ///< least cosine between the normals before and after
+  };
+
+  /// Whether all remaining triangles around `moved` meet the requirements if that vertex moves to p.
+  bool keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p, const Guard& guard) const;
+
+  /// Shape of a triangle.
+  double shape_of(const Triangle& t) const;
 
   /// Cost and position of the collapse of an edge.
   Collapse measure(std::uint32_t a, std::uint32_t b) const;
 
   bool possible(std::uint32_t a, const Collapse& c) const;
+
+  /// Whether a collapse keeps the topology and the valences, and the changed triangles meet the requirements.
+  bool possible(std::uint32_t a, const Collapse& c, const Guard& guard) const;
 
   /// Computes `to`, `cost` and `blocked` of a vertex.
   void find_cheapest(std::uint32_t v);
@@ -152,8 +166,8 @@ struct EdgeCollapses {
   std::array<std::uint32_t, 4> touched(std::uint32_t v) const;
 
   /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that independent
-  /// collapses run concurrently. `start`: start of the merged ring.
-  void collapse(std::uint32_t v, std::size_t start);
+  /// collapses run concurrently. `start`: start of the merged ring; p: position of the merged vertex.
+  void collapse(std::uint32_t v, const Vec3& p, std::size_t start);
 
   /// Collapses edges sequentially, in the order of `key`.
   void collapse_in_turn();

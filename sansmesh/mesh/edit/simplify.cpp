@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/edit/collapse_cheapest.h"
 #include "sansmesh/mesh/edit/collapse_patches.h"
 #include "sansmesh/mesh/edit/edge_collapses.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -21,11 +22,14 @@ namespace {
 
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRounds = 200;
-constexpr double kFirstStage = 16;  // the errors of the stages double from this fraction of the limit
+constexpr double kValueShare = 0.002;  // distance as bad as the range of a colour or attribute, over the diagonal
+constexpr double kFirstStage = 16;     // the errors of the stages double from this fraction of the limit
 
 struct Simplifier : detail::EdgeCollapses {
   // Least key of the collapses with a vertex as an end, and of those that change its ring.
   std::vector<std::uint64_t> end_claim, ring_claim;
+  detail::VertexValues values;
+  std::vector<double> weight;  // share of each vertex in the properties of the merged one
 
   using EdgeCollapses::EdgeCollapses;
 
@@ -58,10 +62,9 @@ struct Simplifier : detail::EdgeCollapses {
     return true;
   }
 
-  /// Runs rounds of independent collapses until hardly any are left or only `target` triangles. Starts with those at
-  /// `open` vertices; continues with those that these affect.
-  void collapse_all(Progress& progress, std::size_t target, const std::vector<std::uint32_t>& open) {
-    if (left_triangles <= target) return;
+  /// Runs rounds of independent collapses until hardly any are left. Starts with those at `open` vertices; continues
+  /// with those that these affect.
+  void collapse_all(Progress& progress, const std::vector<std::uint32_t>& open) {
     std::vector<std::uint32_t> changed, candidates, chosen, hubs;
     std::vector<std::size_t> start;
     for (const std::uint32_t v : open)
@@ -86,11 +89,6 @@ struct Simplifier : detail::EdgeCollapses {
       parallel_for(0, candidates.size(), 2048, [&](std::size_t i) { won[i] = wins(candidates[i]); });
       for (std::size_t i = 0; i < candidates.size(); ++i)
         if (won[i]) chosen.push_back(candidates[i]);
-      const bool last = left_triangles <= target + 2 * chosen.size();
-      if (last) {  // only the cheapest
-        std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-        chosen.resize(std::min(chosen.size(), (left_triangles - target + 1) / 2));
-      }
       for (const std::uint32_t v : candidates) drop_claim(v);
 
       pack_rings();
@@ -110,7 +108,7 @@ struct Simplifier : detail::EdgeCollapses {
       std::vector<std::uint8_t> going(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) going[i] = static_cast<std::uint8_t>(lost(chosen[i], kept[i]));
       parallel_for(0, chosen.size(), 256, [&](std::size_t i) {
-        if (won[i]) collapse(chosen[i], start[i]);
+        if (won[i]) collapse(chosen[i], measure(chosen[i], kept[i]).position, start[i]);
       });
       changed.clear();
       std::size_t count = 0, gone = 0;
@@ -133,8 +131,7 @@ struct Simplifier : detail::EdgeCollapses {
       settle_hubs(hubs, change);
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count, left_triangles -= gone;
-      // Border collapses remove one triangle each, so further rounds may be needed.
-      if (left_triangles <= target || (last ? count == 0 : count * 300 <= std::min(left, many))) break;
+      if (count * 300 <= std::min(left, many)) break;
     }
   }
 
@@ -152,26 +149,55 @@ struct Simplifier : detail::EdgeCollapses {
     const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(options.triangles, 4) : 0;
     original.resize(triangles.size());
     std::iota(original.begin(), original.end(), 0u);
+    if (target > 0) {
+      weight = detail::collapse_cheapest(*this, target, std::move(values), progress);
+      pack_triangles();
+      return;
+    }
     std::vector<std::uint32_t> open;
-    if (options.in_patches && target == 0 && x.size() > detail::kPatch) {
+    if (options.in_patches && x.size() > detail::kPatch) {
       open = detail::collapse_patches(*this, progress);
     } else {
       open.resize(x.size());
       std::iota(open.begin(), open.end(), 0u);
       // In stages: with the full error at once nearly every edge would be a candidate, and most would wait for cheaper
       // neighbours for many rounds.
-      for (error = options.error / kFirstStage; error < options.error; error *= 2) collapse_all(progress, target, open);
+      for (error = options.error / kFirstStage; error < options.error; error *= 2) collapse_all(progress, open);
     }
     error = options.error;
-    collapse_all(progress, target, open);
-    const double widest = norm(Vec3(bounds_of().size()));
-    while (left_triangles > target && target > 0 && error < widest) {
-      error *= 1.5;
-      collapse_all(progress, target, open);
-    }
+    collapse_all(progress, open);
     pack_triangles();
   }
 };
+
+/// Colours and real attributes of the vertices. The range of each is a share of the diagonal.
+detail::VertexValues values_of(const TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  std::vector<std::vector<double>> columns;
+  const auto add = [&](const auto& get) {
+    std::vector<double> column(n);
+    for (std::size_t v = 0; v < n; ++v) column[v] = get(v);
+    if (std::any_of(column.begin(), column.end(), [](double x) { return !std::isfinite(x); })) return;
+    const auto [least, most] = std::minmax_element(column.begin(), column.end());
+    const double low = *least, range = *most - low;
+    if (!(range > 0 && std::isfinite(range))) return;
+    for (double& x : column) x = (x - low) / range;
+    columns.push_back(std::move(column));
+  };
+  for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k)
+    add([&](std::size_t v) { return double(mesh.colors[v][k]); });
+  for (const Attribute& a : mesh.attributes)
+    for (std::size_t k = 0; k < a.components && is_real(a.type()); ++k)
+      if (columns.size() < detail::VertexValues::kMost)
+        add([&](std::size_t v) { return a.number(v * a.components + k); });
+  detail::VertexValues values;
+  values.columns = columns.size();
+  values.of.resize(values.columns * n);
+  const double length = kValueShare * bounds(mesh).diagonal();
+  for (std::size_t k = 0; k < values.columns; ++k)
+    for (std::size_t v = 0; v < n; ++v) values.of[v * values.columns + k] = length * columns[k][v];
+  return values;
+}
 
 std::uint32_t scattered(const Vec3f& p) {
   std::uint64_t h = 0;
@@ -181,8 +207,8 @@ std::uint32_t scattered(const Vec3f& p) {
 
 /// Replaces the vertices and triangles of a mesh by the simplified ones. Vertices get the means, weighted by `weight`,
 /// of the properties of those merged into them; `becomes` as in simplify_mesh.
-void take_simplified(TriangleMesh& mesh, Simplifier& s, const Vec3& middle, const std::vector<double>& weight,
-                     std::vector<std::uint32_t>* becomes) {
+void take_simplified(TriangleMesh& mesh, Simplifier& s, const Vec3& middle, std::vector<std::uint32_t>* becomes) {
+  const std::vector<double>& weight = s.weight;
   const std::size_t n = mesh.vertices.size();
   std::vector<std::uint32_t> into(n), left;
   for (std::uint32_t v = 0; v < n; ++v)
@@ -238,14 +264,14 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
     becomes->resize(n);
     std::iota(becomes->begin(), becomes->end(), 0u);
   }
-  std::vector<double> own_weight(n);  // weights before merging
+  s.weight.resize(n);  // areas, unless `run` replaces them
   parallel_for(0, n, 8192, [&](std::size_t v) {
     s.x[v] = Vec3(mesh.vertices[v]) - middle;
     s.chance[v] = scattered(mesh.vertices[v]);
   });
   parallel_for(0, n, 2048, [&](std::size_t v) {
     s.prepare(static_cast<std::uint32_t>(v));
-    own_weight[v] = std::max(s.quadric[v].weight, 1e-300);
+    s.weight[v] = std::max(s.quadric[v].weight, 1e-300);
   });
   if (options.least_gain > 0 && s.share_to_go() < options.least_gain) {
     mesh.triangles = std::move(s.triangles);
@@ -255,6 +281,7 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
     }
     return false;
   }
+  if (options.triangles > 0) s.values = values_of(mesh);
   s.run(progress);
   if (from) *from = s.original;
   if (s.left == n) {
@@ -262,7 +289,7 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
     mesh.triangles = std::move(s.triangles);
     return false;
   }
-  take_simplified(mesh, s, middle, own_weight, becomes);
+  take_simplified(mesh, s, middle, becomes);
   return true;
 }
 

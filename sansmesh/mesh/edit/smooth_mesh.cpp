@@ -14,6 +14,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
+#include "sansmesh/mesh/edit/mesh_noise.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
@@ -23,7 +24,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostIterations = 10000;
-constexpr int kUsualIterations = 10, kUsualRounds = 8;
+/// Amounts for noise of n edge lengths: shortest remaining wave in edges; rounds of the filter before the normals are
+/// filtered, and of this.
+double wave_for(double n) { return 2.7 + 12 * std::min(n, 1.0); }
+int rounds_before_normals(double n) { return index_in<int>(std::round(50 * (n - 0.08)), 0, 40); }
+int rounds_of_normals(double n) { return index_in<int>(std::round(22 * n), 1, 9); }
+constexpr double kNoNoise = 0.06;  // below this noise in edges, fewer rounds
 /// With longer steps the filter would amplify waves of two edges.
 constexpr double kMostStrength = 0.65;
 /// Pass band: lower frequencies (of at most 2) are kept.
@@ -242,29 +248,46 @@ void restore_volume(SmoothState& s, const std::vector<Vec3>& before, bool crease
   }
 }
 
-void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report, Progress& progress) {
-  double pass = kPassBand;
-  int steps = options.iterations.value_or(kUsualIterations);
-  const double there = options.strength;
-  s.find_neighbours();
-  if (const double reach = mean_square_reach(s); options.shorter_than && reach > 0) {
-    // Response of a wave: Σ w (1 − cos(ω·d)), averaged over all directions.
-    const double half = std::min(std::pow(std::numbers::pi / *options.shorter_than, 2) * reach, 0.9);
-    pass = kPassOverHalf * half;
-    const double back = 1 / (1 / there - pass);
-    const double wanted = kHalving / (there * back * pass * pass);
-    report.shortened = wanted > kMostIterations;
-    steps = index_in<int>(std::round(wanted), 1, kMostIterations);
+/// Triangles of representatives; {0, 0, 0} for those without area.
+std::vector<Triangle> triangles_by_position(const SmoothState& s) {
+  std::vector<Triangle> by_position(s.mesh.triangles.size());
+  for (std::size_t i = 0; i < by_position.size(); ++i) {
+    if (!has_valid_corners(s.mesh.vertices, s.mesh.triangles[i])) continue;
+    if (!(squared_norm(cross(s.at(i, 1) - s.at(i, 0), s.at(i, 2) - s.at(i, 0))) > 0)) continue;
+    for (std::size_t k = 0; k < 3; ++k) by_position[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
   }
-  report.iterations = steps;
+  return by_position;
+}
+
+void alternate(SmoothState& s, double there, double pass, int rounds, Progress& progress) {
   const double back = 1 / (1 / there - pass);
-  progress.begin("smooth", static_cast<std::size_t>(steps));
   std::vector<Vec3> moved;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < rounds; ++i) {
     s.step(there, moved);
     s.step(-back, moved);
     progress.advance();
   }
+}
+
+void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report, Progress& progress) {
+  double pass = kPassBand;
+  int steps = options.iterations.value_or(1);
+  const double there = options.strength;
+  if (const double reach = mean_square_reach(s); !options.iterations && reach > 0) {
+    const double noise = report.noise / std::max(report.mean_edge, 1e-300);
+    const double length = options.shorter_than.value_or(wave_for(noise) * report.mean_edge);
+    // Response of a wave: Σ w (1 − cos(ω·d)), averaged over all directions.
+    const double half = std::min(std::pow(std::numbers::pi / length, 2) * reach, 0.9);
+    pass = kPassOverHalf * half;
+    const double back = 1 / (1 / there - pass);
+    const double wanted = kHalving / (there * back * pass * pass);
+    report.shortened = wanted > kMostIterations;
+    const double share = options.shorter_than ? 1 : std::min(1.0, noise * noise / (kNoNoise * kNoNoise));
+    steps = index_in<int>(std::round(share * wanted), 1, kMostIterations);
+  }
+  report.iterations = steps;
+  progress.begin("smooth", static_cast<std::size_t>(steps));
+  alternate(s, there, pass, steps, progress);
   if (closed) restore_volume(s, s.start, false);
 }
 
@@ -300,16 +323,17 @@ double crease_from_noise(const SmoothState& s, const FaceNormals& faces) {
 void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report,
                     Progress& progress) {
   const std::size_t n = s.mesh.triangles.size();
-  const int rounds = options.iterations.value_or(kUsualRounds);
+  const double noise = report.noise / std::max(report.mean_edge, 1e-300);
+  const int before = rounds_before_normals(noise);
+  const int rounds = options.iterations.value_or(rounds_of_normals(noise));
   report.iterations = rounds;
+  progress.begin("smooth", static_cast<std::size_t>(before + rounds) + kFollowRounds);
+  alternate(s, options.strength, kPassBand, before, progress);  // noisy normals tell nothing about creases
   FaceNormals faces;
   faces.measure(s);
   report.crease_angle = options.crease_angle.value_or(crease_from_noise(s, faces));
   const double width = 2 * std::sin(report.crease_angle * kRadians / 2);
-  std::vector<Triangle> by_position(n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (faces.area[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) by_position[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
+  const std::vector<Triangle> by_position = triangles_by_position(s);
   const VertexCorners corners(by_position, s.x.size());
   double apart = 0;
   std::size_t pairs = 0;
@@ -320,7 +344,6 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
     }
   const double reach = pairs > 0 && apart > 0 ? apart / static_cast<double>(pairs) : 1;
 
-  progress.begin("smooth", static_cast<std::size_t>(rounds) + kFollowRounds);
   std::vector<Vec3> next(n);
   for (int round = 0; round < rounds; ++round) {
     parallel_for(0, n, 1024, [&](std::size_t i) {
@@ -364,24 +387,12 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
   if (closed) restore_volume(s, s.start, true);
 }
 
-void renew_normals(TriangleMesh& mesh) {
-  std::vector<Vec3> sum(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) {
-    if (!has_valid_corners(mesh.vertices, t)) continue;
-    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    const Vec3 doubled = cross(b - a, c - a);
-    for (const std::uint32_t v : t) sum[v] += doubled;
-  }
-  for (std::size_t v = 0; v < sum.size(); ++v)
-    if (squared_norm(sum[v]) > 0) mesh.normals[v] = Vec3f(normalized(sum[v]));
-}
-
 }  // namespace
 
 const OptionSchema& SmoothOptions::schema() {
   using O = SmoothOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::iterations>({.text = "Rounds", .from_data = "10; with `creases` 8", .range = {1, kMostIterations}}),
+      option<&O::iterations>({.text = "Rounds", .from_data = "from the noise", .range = {1, kMostIterations}}),
       option<&O::strength>({.text = "Step length of a round", .unit = "share", .range = positive(kMostStrength)}),
       option<&O::shorter_than>({.text = "Remove shorter wavelengths than this, instead of `iterations`",
                                 .unit = "length",
@@ -427,6 +438,8 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
     return measure_topology(joined).closed() ? std::optional(q.volume) : std::nullopt;
   };
   report.volume_before = measure(report.area_before);
+  s.find_neighbours();
+  report.noise = report.mean_edge * detail::noise_in_edges(s.x, triangles_by_position(s), s.first, s.neighbour);
   if (options.creases)
     filter_normals(s, options, report.volume_before.has_value(), report, progress);
   else
@@ -444,7 +457,7 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   report.volume_after = measure(report.area_after);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (s.used[s.edges.representative[v]]) mesh.vertices[v] = Vec3f(s.x[s.edges.representative[v]] + s.middle);
-  if (!mesh.normals.empty()) renew_normals(mesh);
+  if (!mesh.normals.empty()) detail::renew_normals(mesh);
   progress.finish();
   return report;
 }
@@ -456,6 +469,8 @@ constexpr ReportRow kSmoothReportRows[] = {
         {.name = "input.vertices", .text = "Vertices that triangles use; coincident ones count once"}),
     reported<&SmoothReport::mean_edge>(
         {.name = "input.mean_edge", .text = "Mean length of the edges before", .unit = "length"}),
+    reported<&SmoothReport::noise>(
+        {.name = "input.noise", .text = "Estimated noise along the normals, before", .unit = "length"}),
     reported<&SmoothReport::iterations>({.text = "Rounds performed", .unit = "rounds"}),
     reported<&SmoothReport::rms_move>(
         {.name = "moved.rms", .text = "Displacement of the vertices, root mean square", .unit = "length"}),

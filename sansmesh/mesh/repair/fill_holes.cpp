@@ -15,6 +15,7 @@
 #include "sansmesh/mesh/repair/hole_loops.h"
 #include "sansmesh/mesh/repair/hole_patch.h"
 #include "sansmesh/mesh/repair/position_edges.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -29,6 +30,7 @@ constexpr std::size_t kOfBorder = 6;
 /// Largest distance of a fair filling from the centre of its hole, in diameters.
 constexpr double kFarthest = 1.5;
 constexpr double kIslandOverDiameter = 0.25;
+constexpr double kCrossing = 1e-6;  // tolerance of intersections, in diameters
 /// Open ends: least steepness, least share of the component and least number of edges.
 constexpr double kSteepEnd = 0.7, kLeastEnd = 0.02;
 constexpr std::size_t kLeastEndEdges = 8;
@@ -64,6 +66,17 @@ struct HoleFilling {
   std::vector<Vec3> x;  ///< positions, loop first, relative to the loop's first vertex
   bool done = false;
 };
+
+/// Number of intersections of a filling with itself and with the triangles around it.
+std::size_t crossings_of(const std::vector<PatchTriangle>& triangles, const std::vector<PatchTriangle>& outside,
+                         const std::vector<Vec3>& x, const std::vector<Vec3>& around, double tolerance) {
+  TriangleMesh mesh;
+  for (const auto* const list : {&x, &around})
+    for (const Vec3& p : *list) mesh.vertices.emplace_back(p);
+  mesh.triangles = triangles;
+  mesh.triangles.insert(mesh.triangles.end(), outside.begin(), outside.end());
+  return count_self_intersections(mesh, tolerance, [](std::uint32_t, std::uint32_t) {});
+}
 
 using PositionPair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -105,6 +118,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   };
   filling.triangles = detail::triangulate_hole({filling.x, beside, joined});
   if (filling.triangles.empty()) return filling;
+  detail::split_existing_edges(filling.triangles, filling.x, scale, joined);
   filling.done = true;
   if (!options.refine) return filling;
   detail::refine_patch(filling.triangles, filling.x, scale, n, kMostNewVertices, joined);
@@ -125,7 +139,10 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   for (int pass = 0; pass < 2 && good; ++pass) good = detail::fair_patch(filling.triangles, outside, around, n, fair);
   const Vec3 middle = loop.middle - m.mesh.origin - base;
   for (const Vec3& p : fair) good = good && norm(p - middle) <= kFarthest * loop.diameter;
-  if (good) filling.x = std::move(fair);
+  const auto crossings = [&](const std::vector<Vec3>& x) {
+    return crossings_of(filling.triangles, outside, x, around, kCrossing * loop.diameter);
+  };
+  if (good && (crossings(fair) == 0 || crossings(filling.x) > 0)) filling.x = std::move(fair);
   return filling;
 }
 

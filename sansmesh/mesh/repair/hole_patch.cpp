@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
+#include <map>
+#include <queue>
 #include <unordered_set>
 #include <utility>
 
@@ -19,11 +22,15 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr double kFlipMargin = 1e-4, kLeastWeight = 1e-3, kMostWeight = 20;
 constexpr int kMostRefinements = 40, kMostFlipRounds = 30;
 constexpr double kSplitAbove = 1.4142;
+constexpr double kClippedLength = 0.05;  // turn (1 − cos) as bad as an edge as long as those of the loop
 
-/// Cost of filling a part of the loop: the larger angle, then the area.
+/// Cost of filling a part of the loop: the number of edges that the mesh already has, then the largest angle, then the
+/// area.
 struct PatchCost {
+  std::uint32_t existing = kNoOther;
   double angle = kForever, area = kForever;
   friend bool operator<(const PatchCost& a, const PatchCost& b) {
+    if (a.existing != b.existing) return a.existing < b.existing;
     return a.angle != b.angle ? a.angle < b.angle : a.area < b.area;
   }
 };
@@ -42,7 +49,7 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
   std::vector<PatchCost> cost(n * n);
   std::vector<std::uint32_t> tip(n * n, kNoOther);
   const auto at = [n](std::size_t i, std::size_t k) { return i * n + k; };
-  for (std::size_t i = 0; i + 1 < n; ++i) cost[at(i, i + 1)] = {0, 0};
+  for (std::size_t i = 0; i + 1 < n; ++i) cost[at(i, i + 1)] = {0, 0, 0};
   // Normal of the triangle beyond the edge from i to k: in the mesh or in the filling.
   const auto across = [&](std::size_t i, std::size_t k) {
     if (k == i + 1) return doubled_normal(rim.x[k], rim.x[i], rim.beside[i]);
@@ -52,14 +59,16 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
     for (std::size_t i = 0; i + wide < n; ++i) {
       const std::size_t k = i + wide;
       const bool last = i == 0 && k == n - 1;
-      if (!last && rim.joined(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k))) continue;
+      const bool exists = !last && rim.joined(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(k));
       PatchCost best;
       for (std::size_t m = i + 1; m < k; ++m) {
         const PatchCost &left = cost[at(i, m)], &right = cost[at(m, k)];
+        const std::uint32_t existing = left.existing + right.existing + (exists ? 1 : 0);
         const double sides = std::max(left.angle, right.angle);
-        if (sides > best.angle || sides == kForever) continue;
+        if (existing > best.existing || (existing == best.existing && sides > best.angle)) continue;
         const Vec3 normal = doubled_normal(rim.x[i], rim.x[m], rim.x[k]);
-        PatchCost whole{std::max({sides, turn_between(normal, across(i, m)), turn_between(normal, across(m, k))}),
+        PatchCost whole{existing,
+                        std::max({sides, turn_between(normal, across(i, m)), turn_between(normal, across(m, k))}),
                         left.area + right.area + norm(normal)};
         if (last)
           whole.angle = std::max(whole.angle, turn_between(normal, doubled_normal(rim.x[0], rim.x[k], rim.beside[k])));
@@ -68,7 +77,7 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
       cost[at(i, k)] = best;
     }
   std::vector<PatchTriangle> all;
-  if (n < 3 || cost[at(0, n - 1)].angle == kForever) return all;
+  if (n < 3) return all;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, static_cast<std::uint32_t>(n - 1)}};
   while (!open.empty()) {
     const auto [i, k] = open.back();
@@ -81,60 +90,65 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
   return all;
 }
 
-/// Triangulates the loop of some vertices.
-std::vector<PatchTriangle> triangulate_some(const HoleRim& rim, const std::vector<std::uint32_t>& some,
-                                            const std::vector<Vec3>& beside, bool closing_is_free) {
-  std::vector<Vec3> x;
-  x.reserve(some.size());
-  for (const std::uint32_t v : some) x.push_back(rim.x[v]);
-  const std::size_t n = rim.x.size();
-  const auto joined = [&](std::uint32_t i, std::uint32_t k) {
-    const std::uint32_t a = some[i], b = some[k];
-    if ((a + 1) % n == b || (b + 1) % n == a) return false;
-    return rim.joined(a, b);
-  };
-  // Its own edges may also exist in the mesh.
-  for (std::uint32_t i = 0; i + (closing_is_free ? 1 : 0) < some.size(); ++i)
-    if (joined(i, static_cast<std::uint32_t>((i + 1) % some.size()))) return {};
-  std::vector<PatchTriangle> all = triangulate_whole({x, beside, joined});
-  for (PatchTriangle& t : all)
-    for (std::uint32_t& v : t) v = some[v];
-  return all;
-}
+/// Loop from which vertices are clipped by triangles over their neighbours.
+struct ClippedLoop {
+  const HoleRim& rim;
+  std::vector<std::uint32_t> before, after;
+  std::vector<Vec3> beside;  ///< opposite corner of the triangle at the edge from a vertex to the next one
 
-/// Triangulates a coarse loop first, then the parts between its edges and the loop.
-std::vector<PatchTriangle> triangulate_long(const HoleRim& rim, std::uint32_t stride, std::uint32_t offset) {
+  explicit ClippedLoop(const HoleRim& r) : rim(r), beside(r.beside.begin(), r.beside.end()) {
+    const auto n = static_cast<std::uint32_t>(r.x.size());
+    for (std::uint32_t v = 0; v < n; ++v)
+      before.push_back(v > 0 ? v - 1 : n - 1), after.push_back(v + 1 < n ? v + 1 : 0);
+  }
+
+  /// Turn against the triangles at both edges, and the new edge's length in edges of the loop. Edges that the mesh
+  /// already has come last.
+  double cost(std::uint32_t v, double edge) const {
+    const std::uint32_t a = before[v], b = after[v];
+    if (rim.joined(a, b)) return kForever;
+    const Vec3 normal = doubled_normal(rim.x[a], rim.x[v], rim.x[b]);
+    const double turn = std::max(turn_between(normal, doubled_normal(rim.x[v], rim.x[a], beside[a])),
+                                 turn_between(normal, doubled_normal(rim.x[b], rim.x[v], beside[v])));
+    return turn + kClippedLength * norm(rim.x[b] - rim.x[a]) / edge;
+  }
+
+  PatchTriangle clip(std::uint32_t v) {
+    const std::uint32_t a = before[v], b = after[v];
+    after[a] = b, before[b] = a;
+    beside[a] = rim.x[v];
+    return {a, v, b};
+  }
+};
+
+/// Clips vertices until kWholeLoop are left, then triangulates the rest.
+std::vector<PatchTriangle> triangulate_long(const HoleRim& rim) {
+  ClippedLoop loop(rim);
   const auto n = static_cast<std::uint32_t>(rim.x.size());
-  std::vector<std::uint32_t> coarse;
-  std::vector<Vec3> beside;
-  for (std::uint32_t v = offset; v < n; v += stride) coarse.push_back(v);
-  for (std::size_t j = 0; j < coarse.size(); ++j) {
-    const std::uint32_t next = j + 1 < coarse.size() ? coarse[j + 1] : coarse[0] + n;
-    beside.push_back(rim.beside[(coarse[j] + next) / 2 % n]);
+  double edge = 0;
+  for (std::uint32_t v = 0; v < n; ++v) edge += norm(rim.x[loop.after[v]] - rim.x[v]) / n;
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> cost(n);
+  const auto look = [&](std::uint32_t v) { queue.emplace(cost[v] = loop.cost(v, std::max(edge, 1e-300)), v); };
+  for (std::uint32_t v = 0; v < n; ++v) look(v);
+  std::vector<PatchTriangle> all;
+  for (std::size_t left = n; left > kWholeLoop;) {
+    const auto [c, v] = queue.top();
+    queue.pop();
+    if (c != cost[v] || loop.after[loop.before[v]] != v) continue;  // outdated, or clipped
+    all.push_back(loop.clip(v));
+    --left;
+    look(loop.before[v]), look(loop.after[v]);
   }
-  std::vector<PatchTriangle> all = triangulate_some(rim, coarse, beside, false);
-  if (all.empty()) return all;
-  // Opposite corner in the coarse filling at each coarse edge.
-  std::vector<std::uint32_t> opposite(n, 0);
-  for (const PatchTriangle& t : all)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const auto j = static_cast<std::size_t>(std::lower_bound(coarse.begin(), coarse.end(), a) - coarse.begin());
-      if (coarse[(j + 1) % coarse.size()] == b) opposite[a] = t[(k + 2) % 3];
-    }
-  for (std::size_t j = 0; j < coarse.size(); ++j) {
-    const std::uint32_t end = j + 1 < coarse.size() ? coarse[j + 1] : coarse[0] + n;
-    std::vector<std::uint32_t> part;
-    std::vector<Vec3> around;
-    for (std::uint32_t v = coarse[j]; v <= end; ++v) {
-      part.push_back(v % n);
-      around.push_back(v < end ? rim.beside[v % n] : rim.x[opposite[coarse[j]]]);
-    }
-    if (part.size() < 3) continue;
-    const std::vector<PatchTriangle> strip = triangulate_some(rim, part, around, true);
-    if (strip.empty()) return {};
-    all.insert(all.end(), strip.begin(), strip.end());
-  }
+  std::vector<std::uint32_t> rest;
+  const std::uint32_t first = all.back()[0];
+  for (std::uint32_t v = first; rest.empty() || v != first; v = loop.after[v]) rest.push_back(v);
+  std::vector<Vec3> x, beside;
+  for (const std::uint32_t v : rest) x.push_back(rim.x[v]), beside.push_back(loop.beside[v]);
+  const auto joined = [&](std::uint32_t i, std::uint32_t k) { return rim.joined(rest[i], rest[k]); };
+  for (const PatchTriangle& t : triangulate_whole({x, beside, joined}))
+    all.push_back({rest[t[0]], rest[t[1]], rest[t[2]]});
   return all;
 }
 
@@ -214,15 +228,43 @@ struct PatchTopology {
 }  // namespace
 
 std::vector<PatchTriangle> triangulate_hole(const HoleRim& rim) {
-  const std::size_t n = rim.x.size();
-  if (n < 3) return {};
-  if (n <= kWholeLoop) return triangulate_whole(rim);
-  const auto stride = static_cast<std::uint32_t>((n + kWholeLoop - 1) / kWholeLoop);
-  for (std::uint32_t offset = 0; offset < stride; ++offset) {
-    std::vector<PatchTriangle> all = triangulate_long(rim, stride, offset);
-    if (!all.empty()) return all;
+  if (rim.x.size() < 3) return {};
+  return rim.x.size() <= kWholeLoop ? triangulate_whole(rim) : triangulate_long(rim);
+}
+
+void split_existing_edges(std::vector<PatchTriangle>& triangles, std::vector<Vec3>& x, std::vector<double>& scale,
+                          const std::function<bool(std::uint32_t, std::uint32_t)>& joined) {
+  const auto loop = static_cast<std::uint32_t>(x.size());
+  std::map<std::uint64_t, std::uint32_t> middle;  // new vertex of each edge
+  for (const PatchTriangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if ((a + 1) % loop == b || (b + 1) % loop == a || !joined(a, b)) continue;
+      const auto [at, fresh] = middle.try_emplace(edge_key(a, b), static_cast<std::uint32_t>(x.size()));
+      if (fresh) x.push_back((x[a] + x[b]) / 4), scale.push_back((scale[a] + scale[b]) / 2);
+      x[at->second] += x[t[(k + 2) % 3]] / 4;
+    }
+  if (middle.empty()) return;
+  std::vector<PatchTriangle> all;
+  for (const PatchTriangle& t : triangles) {
+    std::vector<std::uint32_t> corners;  // with the new vertices
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners.push_back(t[k]);
+      if (const auto at = middle.find(edge_key(t[k], t[(k + 1) % 3])); at != middle.end())
+        corners.push_back(at->second);
+    }
+    // Cuts off a corner between new vertices, or fans out from the first new vertex.
+    std::size_t start = 0;
+    while (start < corners.size() && corners[start] < loop) ++start;
+    std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(start % corners.size()), corners.end());
+    if (corners.size() == 6) {
+      for (const std::size_t k : {1u, 3u, 5u}) all.push_back({corners[k - 1], corners[k], corners[(k + 1) % 6]});
+      all.push_back({corners[0], corners[2], corners[4]});
+      continue;
+    }
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k) all.push_back({corners[0], corners[k], corners[k + 1]});
   }
-  return {};
+  triangles = std::move(all);
 }
 
 void refine_patch(std::vector<PatchTriangle>& triangles, std::vector<Vec3>& x, std::vector<double>& scale,

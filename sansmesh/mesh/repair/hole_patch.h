@@ -22,11 +22,15 @@ struct HoleRim {
   std::function<bool(std::uint32_t, std::uint32_t)> joined;
 };
 
-/// Triangulation with the least maximal angle between neighbours, and among these of least area. Dynamic programming in
-/// n³ steps for up to kWholeLoop vertices; longer loops are first reduced to some of their vertices, then the parts in
-/// between are filled. Empty if every triangulation needs an edge that the mesh already has.
+/// Triangulation with the fewest edges that the mesh already has, then the least maximal angle between neighbours, and
+/// among these of least area. Dynamic programming in n³ steps for up to kWholeLoop vertices; of longer loops, vertices
+/// are clipped before, flat triangles and short edges first.
 std::vector<PatchTriangle> triangulate_hole(const HoleRim& rim);
 inline constexpr std::size_t kWholeLoop = 240;
+
+/// Splits edges between vertices of the loop that the mesh already has, at new vertices appended to x and `scale`.
+void split_existing_edges(std::vector<PatchTriangle>& triangles, std::vector<Vec3>& x, std::vector<double>& scale,
+                          const std::function<bool(std::uint32_t, std::uint32_t)>& joined);
 
 /// Subdivides triangles larger than the edges around the hole, and flips edges, until they have that size. Appends new
 /// positions to x, whose first vertices are the loop's; `scale`, extended likewise, is the mean edge length of the mesh
