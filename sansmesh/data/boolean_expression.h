@@ -1,11 +1,19 @@
-// Boolean expressions of sets.
+// Boolean expressions of solids with faces.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "sansmesh/triangle_mesh.h"
+
 namespace sansmesh::inline v1 {
+
+/// Faces of a solid in double precision.
+struct SolidFaces {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;  ///< counter-clockwise seen from outside
+};
 
 /// A tree of unions, intersections and complements of numbered sets. Nodes precede their parents; the last is the
 /// whole.

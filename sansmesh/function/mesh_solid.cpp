@@ -112,7 +112,7 @@ std::size_t close_holes(TriangleMesh& mesh) {
 
 }  // namespace
 
-Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& warnings) {
+TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warnings) {
   TriangleMesh mesh;  // other vertex data is not needed
   mesh.origin = given.origin;
   mesh.vertices = std::move(given.vertices);
@@ -138,7 +138,15 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
     throw DataError(fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}",
                                 100 * inside, kRemedy));
   warn_of_crossings(mesh, warnings);
+  return mesh;
+}
+
+Solid solid_of_checked(TriangleMesh mesh, bool rounded) {
   return csg::distance_leaf(std::make_shared<const MeshField>(std::move(mesh), MeshField::Options{.rounded = rounded}));
+}
+
+Solid mesh_solid(TriangleMesh mesh, bool rounded, std::vector<std::string>& warnings) {
+  return solid_of_checked(checked_solid(std::move(mesh), warnings), rounded);
 }
 
 }  // namespace sansmesh::inline v1

@@ -9,6 +9,12 @@
 
 namespace sansmesh::inline v1 {
 
+/// A copy of a mesh that bounds a solid: vertices and triangles, with the checks and repairs of mesh_solid.
+TriangleMesh checked_solid(TriangleMesh mesh, std::vector<std::string>& warnings);
+
+/// A checked mesh as a solid.
+Solid solid_of_checked(TriangleMesh mesh, bool rounded);
+
 /// A mesh as a solid whose field is the distance to its faces, `rounded` for offsets of it. Throws DataError, one line
 /// with the remedy, if its faces bound no solid. Holes are closed by fans, and a mesh whose faces all point inward is
 /// reversed; `warnings` reports both, and faces that intersect.

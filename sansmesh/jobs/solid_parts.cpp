@@ -30,6 +30,8 @@ class SolidReader {
   std::vector<std::string> files;
   std::map<std::string, SurfaceFunction> functions;
   std::vector<Note> notes;
+  std::map<std::string, std::shared_ptr<const TriangleMesh>> meshes;  ///< closed and oriented
+  bool all_meshes = false;  ///< no functions or volumes: meshes are read as faces
 
   Solid solid(const std::string& name) {
     if (const auto named = parse_isosurface_name(name)) {
@@ -62,17 +64,21 @@ class SolidReader {
     return known->second.shared();
   }
 
-  /// Exact distance to the faces; `rounded`: offsets have rounded edges.
+  /// The faces alone.
   Solid mesh(const std::string& name, bool rounded) {
-    auto known = meshes_.find(name);
-    const bool first = known == meshes_.end();
-    if (first) known = meshes_.emplace(name, load_mesh(name)).first;
+    auto known = meshes.find(name);
+    if (known == meshes.end()) known = meshes.emplace(name, load_solid(name)).first;
     add_file(name);
+    return all_meshes ? csg::face_leaf(known->second) : solid_of_checked(*known->second, rounded);
+  }
+
+  std::shared_ptr<const TriangleMesh> load_solid(const std::string& name) {
+    TriangleMesh loaded = load_mesh(name);
     std::vector<std::string> warnings;
     try {
-      Solid solid = mesh_solid(known->second, rounded, warnings);
-      if (first) add_notes(notes, "mesh_solid", warnings, name);
-      return solid;
+      auto checked = std::make_shared<const TriangleMesh>(checked_solid(std::move(loaded), warnings));
+      add_notes(notes, "mesh_solid", warnings, name);
+      return checked;
     } catch (const DataError& e) {
       throw FileError(name, e.what());
     }
@@ -88,7 +94,6 @@ class SolidReader {
   }
 
   Progress& progress_;
-  std::map<std::string, TriangleMesh> meshes_;
 };
 
 }  // namespace
@@ -99,7 +104,7 @@ const std::string& SolidModel::expression() const { return parts_->expression; }
 
 const std::vector<std::string>& SolidModel::files() const { return parts_->files; }
 
-Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
+Box3 SolidModel::bounds() const { return parts_->outline.bounds(); }
 
 const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
 
@@ -128,11 +133,26 @@ bool is_open(const SurfaceFunction& function) {
 SolidModel read_solid(const std::string& expression, Progress& progress) {
   progress.begin("read");
   SolidReader reader(progress);
-  Solid solid = parse_csg(
+  reader.all_meshes = true;
+  parse_csg(
+      expression,
+      [&](const std::string& name) {
+        if (is_function_file(name) || parse_isosurface_name(name)) reader.all_meshes = false;
+        return csg::sphere({}, 1);
+      },
+      {});
+  Solid outline = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });
-  return SolidModel(
-      {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
+  const bool late = !reader.meshes.empty() && reader.all_meshes;
+  const auto whole = std::make_shared<const LateSolid>([late, outline, expression, meshes = std::move(reader.meshes)] {
+    if (!late) return outline;
+    return parse_csg(
+        expression, [&](const std::string& name) { return solid_of_checked(*meshes.at(name), false); },
+        [&](const std::string& name) { return solid_of_checked(*meshes.at(name), true); });
+  });
+  return SolidModel({expression, std::move(outline), whole, std::move(reader.files), std::move(reader.functions),
+                     std::move(reader.notes)});
 }
 
 const ReportSchema& SolidModel::schema() {

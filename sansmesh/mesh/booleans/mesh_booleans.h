@@ -14,12 +14,6 @@
 
 namespace sansmesh::inline v1 {
 
-/// Faces of a solid in double precision.
-struct SolidFaces {
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;  ///< counter-clockwise seen from outside
-};
-
 /// Whether each edge has as many triangles in one direction as in the other: such faces enclose a solid.
 bool encloses(const SolidFaces& faces);
 

@@ -1,0 +1,72 @@
+#include "sansmesh/meshing/face_csg.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/cancel_scope.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/csg/face_builder.h"
+#include "sansmesh/error.h"
+#include "sansmesh/mesh/booleans/mesh_booleans.h"
+#include "sansmesh/meshing/mesh_csg.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Faces of curved primitives beyond this number cost more than a mesh of the function.
+constexpr double kMostFaces = 2e7;
+
+}  // namespace
+
+CsgMesherChoice choose_csg_mesher(const Solid& solid, const CsgMeshOptions& options) {
+  if (options.mesher == CsgMesher::function) return {false, "as requested"};
+  const FaceSurvey survey = survey_faces(*solid.node());
+  const bool must = options.mesher == CsgMesher::faces;
+  if (!survey.obstacle.empty()) {
+    if (must) throw ArgumentError(fmt::format("`mesher = faces`: {} has no faces", survey.obstacle));
+    return {false, survey.obstacle + " has no faces"};
+  }
+  if (must) return {true, "as requested"};
+  for (const auto& [given, name] : {std::pair(options.triangles.has_value(), "triangles"),
+                                    {options.cell.has_value(), "cell"},
+                                    {options.resolution.has_value(), "resolution"},
+                                    {options.simplify.has_value(), "simplify"}})
+    if (given) return {false, fmt::format("`{}` is given", name)};
+  if (survey.meshes) return {true, "all parts have faces"};
+  if (survey.curved) return {false, "curved primitives without a mesh"};
+  return {true, "all parts have flat faces"};
+}
+
+std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptions& options, Progress& progress,
+                                          CsgMeshReport& report) {
+  const CancelScope listening(progress);
+  options.validate();
+  const Box3 box = box_of_solid(solid, options);
+  const Solid whole = options.box ? solid_in_box(solid, *options.box) : solid;
+  progress.begin("faces");
+  const double mesh_error = options.mesh_error.value_or(kCsgMeshError * box.diagonal());
+  const SolidOfFaces parts = faces_of(*whole.node(), mesh_error, box);
+  for (std::size_t p = 0; p < parts.parts.size(); ++p)
+    if (parts.meshes[p] && !encloses(parts.parts[p])) {
+      report.reason = "a mesh has edges with unpaired faces";
+      return std::nullopt;
+    }
+  const BooleanResult made = combine_solids(parts.parts, parts.expression, progress);
+  if (made.triangles.empty()) throw DataError("the solid is empty");
+  TriangleMesh mesh;
+  mesh.origin = parts.origin;
+  mesh.vertices.reserve(made.vertices.size());
+  for (const Vec3& v : made.vertices) mesh.vertices.emplace_back(v);
+  mesh.triangles = made.triangles;
+  report.box = {};
+  for (const Vec3& v : made.vertices) report.box.extend(v + parts.origin);
+  report.mesher = CsgMesher::faces;
+  report.cut_faces = made.cut_triangles;
+  report.seam_vertices = made.seam_vertices;
+  finish_csg(mesh, options, report);
+  return mesh;
+}
+
+}  // namespace sansmesh::inline v1
