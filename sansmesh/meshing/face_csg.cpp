@@ -2,6 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -10,6 +14,7 @@
 #include "sansmesh/csg/face_builder.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/booleans/mesh_booleans.h"
+#include "sansmesh/mesh/booleans/thin_seams.h"
 #include "sansmesh/meshing/mesh_csg.h"
 
 namespace sansmesh::inline v1 {
@@ -17,6 +22,8 @@ namespace {
 
 /// Faces of curved primitives beyond this number cost more than a mesh of the function.
 constexpr double kMostFaces = 2e7;
+/// Seams may move by this many rounding errors of floats.
+constexpr double kRoundingSteps = 2;
 
 }  // namespace
 
@@ -53,8 +60,15 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
       report.reason = "a mesh has edges with unpaired faces";
       return std::nullopt;
     }
-  const BooleanResult made = combine_solids(parts.parts, parts.expression, progress);
+  BooleanResult made = combine_solids(parts.parts, parts.expression, progress);
   if (made.triangles.empty()) throw DataError("the solid is empty");
+  progress.begin("thin seams");
+  double farthest = 0;
+  for (Vec3& v : made.vertices) {
+    v = Vec3(Vec3f(v));
+    farthest = std::max({farthest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  }
+  const ThinnedSeams thinned = thin_seams(made, kRoundingSteps * 0x1p-24 * farthest);
   TriangleMesh mesh;
   mesh.origin = parts.origin;
   mesh.vertices.reserve(made.vertices.size());
@@ -64,7 +78,8 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   for (const Vec3& v : made.vertices) report.box.extend(v + parts.origin);
   report.mesher = CsgMesher::faces;
   report.cut_faces = made.cut_triangles;
-  report.seam_vertices = made.seam_vertices;
+  report.seam_vertices = made.seam_vertices - thinned.removed;
+  if (std::getenv("MB")) std::fprintf(stderr, "removed %zu inverted %zu\n", thinned.removed, thinned.inverted);
   finish_csg(mesh, options, report);
   return mesh;
 }

@@ -20,7 +20,15 @@ struct KeptPiece {
   Triangle vertex;
   std::uint32_t triangle;
   bool reversed;
+  bool cut;
 };
+
+/// Outward, of length 1.
+Vec3 normal_of(const SolidTriangles& in, const KeptPiece& face) {
+  const Triangle& t = in.triangles[face.triangle];
+  const Vec3 n = normalized(cross(in.corners[t[1]] - in.corners[t[0]], in.corners[t[2]] - in.corners[t[0]]));
+  return face.reversed ? -n : n;
+}
 
 /// One face at an edge from a to b, a < b.
 struct FaceAtEdge {
@@ -67,11 +75,7 @@ class Fans {
     corners_.join(next(a), b);
   }
 
-  Vec3 normal(std::uint32_t face) const {
-    const Triangle& t = in_.triangles[faces_[face].triangle];
-    const Vec3 n = cross(in_.corners[t[1]] - in_.corners[t[0]], in_.corners[t[2]] - in_.corners[t[0]]);
-    return normalized(faces_[face].reversed ? -n : n);
-  }
+  Vec3 normal(std::uint32_t face) const { return normal_of(in_, faces_[face]); }
 
   /// Joins the two faces of each wedge of the solid around an edge.
   void join_sorted(std::span<const KeyIndex> edges) {
@@ -199,7 +203,7 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
     if (used == PatchUse::dropped) continue;
     Triangle v = piece.vertex;
     if (used == PatchUse::reversed) std::swap(v[1], v[2]);
-    faces.push_back({v, piece.triangle, used == PatchUse::reversed});
+    faces.push_back({v, piece.triangle, used == PatchUse::reversed, piece.cut});
   }
   const std::size_t vertices = arrangement.corners + arrangement.seam.size();
   std::vector<Vec3> positions(vertices);
@@ -221,7 +225,10 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
     result.sources[v] = {solid, source[v] - first[solid], true};
   }
   result.triangles.reserve(faces.size());
-  for (const KeptPiece& f : faces) result.triangles.push_back(f.vertex);
+  for (const KeptPiece& f : faces) {
+    if (f.cut) result.cut_faces.push_back({static_cast<std::uint32_t>(result.triangles.size()), normal_of(in, f)});
+    result.triangles.push_back(f.vertex);
+  }
   return result;
 }
 

@@ -27,6 +27,12 @@ struct BooleanResult {
     bool given = false;
   };
   std::vector<Source> sources;
+  /// Faces that are parts of triangles of the input, with the outward unit normal.
+  struct CutFace {
+    std::uint32_t face = 0;
+    Vec3 normal;
+  };
+  std::vector<CutFace> cut_faces;
   std::size_t cut_triangles = 0;   ///< triangles of the input that others meet
   std::size_t seam_vertices = 0;   ///< new vertices
   std::size_t patches = 0;
