@@ -1,7 +1,7 @@
 // Residues modulo the prime 2^61 − 1: numbers as fingerprints of exact values.
 #pragma once
 
-#include <cmath>
+#include <bit>
 #include <compare>
 #include <cstdint>
 
@@ -15,13 +15,14 @@ class Residue {
   Residue() = default;
   /// `exact` is finite.
   Residue(double exact) {  // NOLINT(google-explicit-constructor): formulas mix both
-    int exponent = 0;
-    const double mantissa = std::frexp(exact, &exponent);
-    const auto digits = static_cast<std::int64_t>(std::ldexp(mantissa, 53));
-    const auto magnitude = static_cast<std::uint64_t>(digits < 0 ? -digits : digits);
-    const int turn = (((exponent - 53) % 61) + 61) % 61;  // 2^61 ≡ 1
-    const std::uint64_t v = turn == 0 ? magnitude : folded(static_cast<Wide>(magnitude) << turn);
-    v_ = digits < 0 && v != 0 ? kPrime - v : v;
+    const auto bits = std::bit_cast<std::uint64_t>(exact);
+    const auto field = static_cast<std::uint32_t>(bits >> 52 & 0x7ff);
+    const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+    const std::uint64_t magnitude = field != 0 ? fraction | std::uint64_t{1} << 52 : fraction;
+    // The last digit is worth 2^(field − 1075), and 2^61 ≡ 1: 1098 = 18 · 61.
+    const std::uint32_t turn = ((field != 0 ? field : 1) + 1098 - 1075) % 61;
+    const std::uint64_t v = folded(static_cast<Wide>(magnitude) << turn);
+    v_ = bits >> 63 != 0 && v != 0 ? kPrime - v : v;
   }
 
   bool zero() const { return v_ == 0; }

@@ -11,6 +11,8 @@ namespace {
 
 /// The box of unbounded primitives, over that of the solid.
 constexpr double kBeyond = 0.25;
+/// Share of the error in each of two directions of curvature.
+constexpr double kTwoWays = 0.7;
 
 Box3 grown(const Box3& box, double share) {
   const double by = share * box.diagonal();
@@ -115,13 +117,14 @@ std::uint32_t FaceBuilder::frustum(const Vec3& center, const Vec3& axis, double 
 
 std::uint32_t FaceBuilder::ring(const Vec3& center, const Vec3& axis, double ring, double tube, const Similarity& map) {
   curved = true;
-  const std::size_t m = sides_of_circle(ring + tube, error(map) / 2), n = sides_of_circle(tube, error(map) / 2);
+  const std::size_t m = sides_of_circle(ring + tube, kTwoWays * error(map)),
+                    n = sides_of_circle(tube, kTwoWays * error(map));
   return add(map, 2.0 * static_cast<double>(m * n), [&] { return ring_faces(center, axis, ring, tube, m, n); });
 }
 
 std::uint32_t FaceBuilder::rod(const Vec3& from, const Vec3& to, double radius, const Similarity& map) {
   curved = true;
-  const std::size_t n = sides_of_circle(radius, error(map) / 2);
+  const std::size_t n = sides_of_circle(radius, kTwoWays * error(map));
   return add(map, static_cast<double>(n * n), [&] { return rod_faces(from, to, radius, n); });
 }
 

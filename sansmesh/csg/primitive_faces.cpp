@@ -14,6 +14,16 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeastSides = 12, kMostSides = 1 << 14;
+/// Mean distance of a polygon from the circle of equal area, over the height of the arcs above its chords: 4 / 9√3.
+constexpr double kMeanOfChord = 0.2566;
+/// Mean distance of ball_faces with n edges from the ball, times n² over the radius.
+constexpr double kMeanOfBall = 0.1209;
+
+/// Radius of the corners of a polygon over that of the circle of equal area.
+double polygon_radius(std::size_t n) {
+  const double angle = 2 * std::numbers::pi / static_cast<double>(n);
+  return std::sqrt(angle / std::sin(angle));
+}
 
 /// cos and sin of i / n of a turn: exact at quarters, and symmetric.
 std::array<double, 2> on_circle(std::size_t i, std::size_t n) {
@@ -93,15 +103,14 @@ void add_band(SolidFaces& f, std::uint32_t lower, std::uint32_t upper, std::uint
 }  // namespace
 
 std::size_t sides_of_circle(double radius, double error) {
-  // A chord is 2/3 of its height away from the circle on average.
-  const double height = std::min(1.0, 1.5 * error / radius);
-  const std::size_t n = index_in<std::size_t>(std::ceil(std::numbers::pi / std::acos(1 - height)), kLeastSides, kMostSides);
+  const double height = std::min(1.0, error / (kMeanOfChord * radius));
+  const std::size_t n =
+      index_in<std::size_t>(std::ceil(std::numbers::pi / std::acos(1 - height)), kLeastSides, kMostSides);
   return (n + 3) / 4 * 4;
 }
 
 std::size_t edges_of_quarter(double radius, double error) {
-  // An equilateral triangle of edge e is e²/8r away on average; the longest edges are about 1.8 r / n.
-  return index_in<std::size_t>(std::ceil(std::sqrt(0.3 * radius / error)), 4, kMostSides);
+  return index_in<std::size_t>(std::ceil(std::sqrt(kMeanOfBall * radius / error)), kLeastSides / 3, kMostSides);
 }
 
 SolidFaces ball_faces(const Vec3& center, double radius, std::size_t edges) {
@@ -120,7 +129,7 @@ SolidFaces ball_faces(const Vec3& center, double radius, std::size_t edges) {
       const Vec3 p = normalized(Vec3{sine(steps - along), sine(along), sine(n - steps)});
       const double z = k <= n ? p.z : -p.z;
       const std::array<Vec3, 4> turned{Vec3{p.x, p.y, z}, Vec3{-p.y, p.x, z}, Vec3{-p.x, -p.y, z}, Vec3{p.y, -p.x, z}};
-      f.vertices.push_back(center + turned[turn] * radius);
+      f.vertices.push_back(turned[turn]);
     }
   }
   for (std::uint32_t k = 0; k < 2 * n; ++k) {
@@ -141,6 +150,10 @@ SolidFaces ball_faces(const Vec3& center, double radius, std::size_t edges) {
         if (i < steps) add(at_small(s), at_large(l + 1), at_small(s + 1));
       }
   }
+  double volume = 0;
+  for (const auto& [a, b, c] : f.triangles) volume += dot(f.vertices[a], cross(f.vertices[b], f.vertices[c])) / 6;
+  const double grown = radius * std::cbrt(4 * std::numbers::pi / 3 / volume);
+  for (Vec3& v : f.vertices) v = center + v * grown;
   return f;
 }
 
@@ -160,8 +173,9 @@ SolidFaces frustum_faces(const Vec3& center, const Vec3& axis, double bottom, do
   SolidFaces f;
   const std::array<Vec3, 2> frame = frame_around(axis);
   const auto n = static_cast<std::uint32_t>(sides);
-  const std::uint32_t low = add_circle(f, center - axis * half_height, frame, bottom, sides);
-  const std::uint32_t high = add_circle(f, center + axis * half_height, frame, top, sides);
+  const double grown = polygon_radius(sides);
+  const std::uint32_t low = add_circle(f, center - axis * half_height, frame, bottom * grown, sides);
+  const std::uint32_t high = add_circle(f, center + axis * half_height, frame, top * grown, sides);
   add_band(f, low, high, n, bottom == 0, top == 0);
   if (bottom > 0) add_polygon(f, low, n, true);
   if (top > 0) add_polygon(f, high, n, false);
@@ -172,13 +186,14 @@ SolidFaces ring_faces(const Vec3& center, const Vec3& axis, double ring, double 
                       std::size_t sides_of_tube) {
   SolidFaces f;
   const std::array<Vec3, 2> frame = frame_around(axis);
+  const double grown = tube * polygon_radius(sides_of_tube);
   const auto m = static_cast<std::uint32_t>(sides_of_ring), n = static_cast<std::uint32_t>(sides_of_tube);
   for (std::uint32_t i = 0; i < m; ++i) {
     const auto [c, s] = on_circle(i, m);
-    const Vec3 outward = frame[0] * c + frame[1] * s;
+    const Vec3 outward = (frame[0] * c + frame[1] * s) * polygon_radius(m);
     for (std::uint32_t j = 0; j < n; ++j) {
       const auto [u, v] = on_circle(j, n);
-      f.vertices.push_back(center + outward * (ring + tube * u) + axis * (tube * v));
+      f.vertices.push_back(center + outward * (ring + grown * u) + axis * (grown * v));
     }
   }
   for (std::uint32_t i = 0; i < m; ++i)
@@ -189,8 +204,9 @@ SolidFaces ring_faces(const Vec3& center, const Vec3& axis, double ring, double 
   return f;
 }
 
-SolidFaces rod_faces(const Vec3& from, const Vec3& to, double radius, std::size_t sides) {
+SolidFaces rod_faces(const Vec3& from, const Vec3& to, double given_radius, std::size_t sides) {
   SolidFaces f;
+  const double radius = given_radius * polygon_radius(sides);
   const Vec3 axis = normalized(to - from);
   const std::array<Vec3, 2> frame = frame_around(axis);
   const auto n = static_cast<std::uint32_t>(sides);

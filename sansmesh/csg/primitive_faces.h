@@ -14,7 +14,8 @@ std::size_t sides_of_circle(double radius, double error);
 /// Edges along a quarter of a great circle of a ball, for triangles with this mean distance from it.
 std::size_t edges_of_quarter(double radius, double error);
 
-/// Vertices are on the surface of the primitive.
+/// Vertices are slightly outside of the primitive, so that sections have its area (balls its volume): for equal errors
+/// there are less than half as many triangles as with vertices on the surface.
 SolidFaces ball_faces(const Vec3& center, double radius, std::size_t edges);
 SolidFaces box_faces(const Vec3& lower, const Vec3& upper);
 /// Radii `bottom` and `top`, of which one may be 0, at −half_height and half_height along the unit vector `axis`.

@@ -16,14 +16,26 @@
 #include "sansmesh/mesh/booleans/mesh_booleans.h"
 #include "sansmesh/mesh/booleans/thin_seams.h"
 #include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 /// Faces of curved primitives beyond this number cost more than a mesh of the function.
 constexpr double kMostFaces = 2e7;
+/// With so many parts, operations on faces are several times as fast.
+constexpr std::size_t kManyParts = 100;
 /// Seams may move by this many rounding errors of floats.
 constexpr double kRoundingSteps = 2;
+
+/// Faces with equal vertices have common ones afterwards.
+SolidFaces& join_equal(SolidFaces& faces, const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
+  for (Triangle& t : faces.triangles)
+    for (std::uint32_t& v : t) v = first[v];
+  std::erase_if(faces.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  return faces;
+}
 
 }  // namespace
 
@@ -42,7 +54,8 @@ CsgMesherChoice choose_csg_mesher(const Solid& solid, const CsgMeshOptions& opti
                                     {options.simplify.has_value(), "simplify"}})
     if (given) return {false, fmt::format("`{}` is given", name)};
   if (survey.meshes) return {true, "all parts have faces"};
-  if (survey.curved) return {false, "curved primitives without a mesh"};
+  if (survey.curved && survey.parts < kManyParts) return {false, "curved primitives without a mesh"};
+  if (survey.curved) return {true, fmt::format("{} parts", grouped(survey.parts))};
   return {true, "all parts have flat faces"};
 }
 
@@ -54,9 +67,9 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   const Solid whole = options.box ? solid_in_box(solid, *options.box) : solid;
   progress.begin("faces");
   const double mesh_error = options.mesh_error.value_or(kCsgMeshError * box.diagonal());
-  const SolidOfFaces parts = faces_of(*whole.node(), mesh_error, box);
+  SolidOfFaces parts = faces_of(*whole.node(), mesh_error, box);
   for (std::size_t p = 0; p < parts.parts.size(); ++p)
-    if (parts.meshes[p] && !encloses(parts.parts[p])) {
+    if (parts.meshes[p] && !encloses(parts.parts[p]) && !encloses(join_equal(parts.parts[p], *parts.meshes[p]))) {
       report.reason = "a mesh has edges with unpaired faces";
       return std::nullopt;
     }
@@ -79,7 +92,7 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   report.mesher = CsgMesher::faces;
   report.cut_faces = made.cut_triangles;
   report.seam_vertices = made.seam_vertices - thinned.removed;
-  if (std::getenv("MB")) std::fprintf(stderr, "removed %zu inverted %zu\n", thinned.removed, thinned.inverted);
+  if (std::getenv("MB") != nullptr) std::fprintf(stderr, "removed %zu inverted %zu\n", thinned.removed, thinned.inverted);
   finish_csg(mesh, options, report);
   return mesh;
 }

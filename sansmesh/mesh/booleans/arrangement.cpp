@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPairChunk = 512, kCutChunk = 32;
+constexpr std::size_t kPairChunk = 64, kCutChunk = 32;
 
 float rounded_down(double v) {
   const auto f = static_cast<float>(v);
@@ -77,11 +77,27 @@ void append(TriangleCuts& all, TriangleCuts&& more) {
 TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
                       std::span<const Box3f> boxes) {
   const std::vector<std::uint32_t> near = near_others(in, boxes);
+  // The triangles of small solids search for those of larger ones.
+  std::vector<std::uint32_t> size(in.solids, 0);
+  for (const std::uint32_t t : near) ++size[in.solid_of[t]];
+  const auto searches = [&](std::uint32_t s, std::uint32_t t) {
+    const std::uint32_t a = in.solid_of[s], b = in.solid_of[t];
+    return size[a] != size[b] ? size[a] < size[b] : a < b;
+  };
+  std::vector<Box3f> near_boxes;
+  std::uint32_t largest = near.empty() ? 0 : near[0];
+  for (const std::uint32_t t : near) {
+    near_boxes.push_back(boxes[t]);
+    if (searches(largest, t)) largest = t;
+  }
+  const BoxTree near_tree(near_boxes);
   TriangleCuts all = collected_cuts(near.size(), [&](std::size_t first, std::size_t last, TriangleCuts& cuts) {
     for (std::size_t i = first; i < last; ++i) {
       const std::uint32_t s = near[i];
-      tree.visit(boxes[s], [&](std::uint32_t t) {
-        if (t > s && in.solid_of[t] != in.solid_of[s]) cut_pair(space, in.triangles, s, t, cuts);
+      if (in.solid_of[s] == in.solid_of[largest]) continue;
+      near_tree.visit(boxes[s], [&](std::uint32_t j) {
+        const std::uint32_t t = near[j];
+        if (searches(s, t)) cut_pair(space, in.triangles, std::min(s, t), std::max(s, t), cuts);
         return true;
       });
     }

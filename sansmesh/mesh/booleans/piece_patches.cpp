@@ -7,24 +7,12 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/mesh/booleans/edge_groups.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kRayChunk = 16;
-
-/// Edges of all pieces, sorted: index = 3 · piece + edge.
-std::vector<KeyIndex> sorted_edges(const std::vector<Piece>& pieces) {
-  std::vector<KeyIndex> edges(3 * pieces.size());
-  parallel_for(0, pieces.size(), 8192, [&](std::size_t p) {
-    for (std::size_t e = 0; e < 3; ++e) {
-      const auto [low, high] = std::minmax(pieces[p].vertex[e], pieces[p].vertex[(e + 1) % 3]);
-      edges[3 * p + e] = {std::uint64_t{low} << 32 | high, static_cast<unsigned>(3 * p + e)};
-    }
-  });
-  parallel_sort(edges);
-  return edges;
-}
 
 /// Solids with a changed winding number beside a patch.
 class Windings {
@@ -145,7 +133,9 @@ double size_of(const SolidTriangles& in, const Arrangement& a, const Piece& piec
 
 PiecePatches find_patches(const SolidTriangles& in, const Arrangement& arrangement) {
   const std::vector<Piece>& pieces = arrangement.pieces;
-  const std::vector<KeyIndex> edges = sorted_edges(pieces);
+  const std::vector<KeyIndex> edges =
+      sorted_edges(pieces.size(), arrangement.corners + arrangement.seam.size(),
+                   [&](std::size_t p) -> const Triangle& { return pieces[p].vertex; });
   UnionFind sets(pieces.size());
   for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
     bool seam = false;

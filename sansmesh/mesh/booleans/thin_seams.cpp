@@ -97,7 +97,7 @@ class SeamThinning {
           if (w == v) w = u;
         shape = std::min(shape, shape_of(moved, normal_of(f)));
       }
-      if (shape <= needed || shape <= best_shape || !keeps_topology(around, v, u)) continue;
+      if (shape <= needed || shape <= best_shape || !keeps_topology(around, u)) continue;
       best = u, best_shape = shape;
     }
     if (best == kGone) return false;
@@ -106,7 +106,7 @@ class SeamThinning {
   }
 
   /// The ends have exactly two common neighbours, and more than three together.
-  bool keeps_topology(const std::vector<std::uint32_t>& around_v, std::uint32_t v, std::uint32_t u) {
+  bool keeps_topology(const std::vector<std::uint32_t>& around_v, std::uint32_t u) {
     std::size_t common = 0;
     const std::vector<std::uint32_t> around_u = neighbours(u);
     for (const std::uint32_t w : around_u) common += std::binary_search(around_v.begin(), around_v.end(), w) ? 1u : 0u;
