@@ -148,16 +148,16 @@ struct SANSMESH_API CsgMeshOptions {
 struct SANSMESH_API CsgMeshReport {
   CsgMesher mesher = CsgMesher::function;  ///< algorithm used; never `automatic`
   std::string reason;                      ///< why this one
-  Box3 box;                    ///< contains the surface; tight to a thirty-second of the solid's bounds
-  double cell = 0;             ///< edge of the smallest blocks
-  int depth = 0;               ///< levels of the tree of blocks
-  std::size_t blocks = 0;      ///< leaf blocks
-  std::size_t components = 0;  ///< connected components of the mesh
-  bool closed = false;         ///< closed, manifold and oriented
-  double area = 0;             ///< area of the mesh, length²
-  double volume = 0;           ///< volume of the mesh, length³
-  double mean_error = 0;       ///< mean distance from triangle centroids to the surface, weighted by area (length)
-  double largest_error = 0;    ///< largest distance from a triangle centroid to the surface (length)
+  Box3 box;                                ///< contains the surface; tight to a thirty-second of the solid's bounds
+  double cell = 0;                         ///< edge of the smallest blocks
+  int depth = 0;                           ///< levels of the tree of blocks
+  std::size_t blocks = 0;                  ///< leaf blocks
+  std::size_t components = 0;              ///< connected components of the mesh
+  bool closed = false;                     ///< closed, manifold and oriented
+  double area = 0;                         ///< area of the mesh, length²
+  double volume = 0;                       ///< volume of the mesh, length³
+  double mean_error = 0;          ///< mean distance from triangle centroids to the surface, weighted by area (length)
+  double largest_error = 0;       ///< largest distance from a triangle centroid to the surface (length)
   std::size_t cut_faces = 0;      ///< with `faces`: faces of the parts that others cut or touch
   std::size_t seam_vertices = 0;  ///< with `faces`: vertices where faces intersect
   std::vector<Note> notes;        ///< requests that could not be met

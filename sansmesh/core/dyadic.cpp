@@ -49,7 +49,8 @@ Dyadic Dyadic::sum(const Dyadic& a, const Dyadic& b, int sign_of_b) {
     return result;
   }
   const int power = std::min(a.power_, b.power_);
-  const int end = std::max(a.power_ + static_cast<int>(a.digits_.size()), b.power_ + static_cast<int>(b.digits_.size()));
+  const int end =
+      std::max(a.power_ + static_cast<int>(a.digits_.size()), b.power_ + static_cast<int>(b.digits_.size()));
   const auto aligned = [&](const Dyadic& x) {
     std::vector<std::uint64_t> digits(static_cast<std::size_t>(end - power) + 1);
     std::copy(x.digits_.begin(), x.digits_.end(), digits.begin() + (x.power_ - power));

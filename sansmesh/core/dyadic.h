@@ -34,7 +34,7 @@ class Dyadic {
   double leading(int& power) const;
 
   int sign_ = 0;
-  int power_ = 0;                      ///< of 2^64, by which the digits are multiplied
+  int power_ = 0;                      ///< power of 2^64 by which the digits are multiplied
   std::vector<std::uint64_t> digits_;  ///< base 2^64, least first, without zeros at the ends
 };
 

@@ -1,9 +1,11 @@
 #include "sansmesh/csg/face_builder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/csg/primitive_faces.h"
 
 namespace sansmesh::inline v1 {
@@ -34,9 +36,17 @@ std::uint32_t FaceBuilder::push(SolidFaces faces, std::shared_ptr<const Triangle
   triangles += count;
   if (dot(cross(map.columns[0], map.columns[1]), map.columns[2]) < 0)
     for (Triangle& t : faces.triangles) std::swap(t[1], t[2]);
+  if (build_) {  // equal parts are one
+    std::uint64_t key = faces.triangles.size();
+    for (const Vec3& v : faces.vertices)
+      for (std::size_t k = 0; k < 3; ++k) key = scrambled(key ^ std::bit_cast<std::uint64_t>(v[k]));
+    for (auto [known, end] = by_key_.equal_range(key); known != end; ++known)
+      if (const SolidFaces& p = parts[known->second]; p.vertices == faces.vertices && p.triangles == faces.triangles)
+        return expression.leaf(known->second);
+    by_key_.emplace(key, static_cast<std::uint32_t>(parts.size()));
+  }
   parts.push_back(std::move(faces));
   meshes.push_back(std::move(mesh));
-  maps_.push_back(map);
   return expression.leaf(static_cast<std::uint32_t>(parts.size() - 1));
 }
 
@@ -51,10 +61,6 @@ std::uint32_t FaceBuilder::add(const Similarity& map, double count, const Make& 
 }
 
 std::uint32_t FaceBuilder::mesh(std::shared_ptr<const TriangleMesh> mesh, const Similarity& map) {
-  for (std::uint32_t p = 0; p < parts.size(); ++p)  // the same solid again
-    if (meshes[p] == mesh && maps_[p].columns == map.columns && maps_[p].scale == map.scale &&
-        maps_[p].translation == map.translation)
-      return expression.leaf(p);
   SolidFaces faces;
   if (build_) {
     const bool moved = map.rotates() || map.scale != 1 || map.translation != Vec3{};
@@ -136,7 +142,8 @@ std::optional<std::uint32_t> FaceBuilder::combine(const std::vector<NodePtr>& me
     if (!node) return std::nullopt;
     children.push_back(*node);
   }
-  return expression.combine(sign > 0 ? BooleanExpression::Kind::any : BooleanExpression::Kind::all, std::move(children));
+  return expression.combine(sign > 0 ? BooleanExpression::Kind::any : BooleanExpression::Kind::all,
+                            std::move(children));
 }
 
 FaceSurvey survey_faces(const SolidNode& root) {

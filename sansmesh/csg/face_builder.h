@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,9 +41,9 @@ class FaceBuilder {
 
   BooleanExpression expression;
   std::vector<SolidFaces> parts;
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< of each part; null for primitives
-  std::string obstacle;  ///< what has no faces
-  bool curved = false;   ///< whether faces approximate a primitive
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< mesh of each part; null for primitives
+  std::string obstacle;                                     ///< a part without faces; empty: there is none
+  bool curved = false;                                      ///< whether faces approximate a primitive
   bool unbounded = false;
   double triangles = 0;  ///< number of all
 
@@ -58,20 +59,20 @@ class FaceBuilder {
   double mesh_error_ = 1;
   Box3 region_;
   Vec3 origin_;
-  std::vector<Similarity> maps_;  ///< of each part
+  std::multimap<std::uint64_t, std::uint32_t> by_key_;  ///< parts by a hash of their faces
 };
 
 /// Faces and expression of a solid.
 struct SolidOfFaces {
   BooleanExpression expression;
   std::vector<SolidFaces> parts;                            ///< relative to `origin`
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< of each part; null for primitives
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< mesh of each part; null for primitives
   Vec3 origin;
 };
 
 /// Whether a solid has faces.
 struct FaceSurvey {
-  std::string obstacle;  ///< what has none; empty: all have
+  std::string obstacle;  ///< a part that has none; empty: all have faces
   bool curved = false;   ///< whether faces approximate primitives
   bool meshes = false;   ///< whether there are meshes
   std::size_t parts = 0;

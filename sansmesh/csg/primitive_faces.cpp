@@ -160,10 +160,10 @@ SolidFaces ball_faces(const Vec3& center, double radius, std::size_t edges) {
 SolidFaces box_faces(const Vec3& lower, const Vec3& upper) {
   SolidFaces f;
   for (std::uint32_t c = 0; c < 8; ++c)
-    f.vertices.push_back({(c & 1) != 0 ? upper.x : lower.x, (c & 2) != 0 ? upper.y : lower.y,
-                          (c & 4) != 0 ? upper.z : lower.z});
-  for (const auto& [a, b, c, d] : {std::array<std::uint32_t, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3},
-                                   {0, 4, 6, 2}, {1, 3, 7, 5}})
+    f.vertices.push_back(
+        {(c & 1) != 0 ? upper.x : lower.x, (c & 2) != 0 ? upper.y : lower.y, (c & 4) != 0 ? upper.z : lower.z});
+  for (const auto& [a, b, c, d] :
+       {std::array<std::uint32_t, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
     add_quad(f, a, b, c, d);
   return f;
 }
@@ -218,10 +218,9 @@ SolidFaces rod_faces(const Vec3& from, const Vec3& to, double given_radius, std:
   };
   for (std::size_t k = 1; k <= 2 * quarter; ++k) {  // latitudes −quarter + k; the equator twice
     const std::size_t up = k <= quarter ? quarter - k : k - quarter - 1;
-    const std::uint32_t next = k <= quarter
-                                   ? add_circle(f, from - axis * (radius * on_circle(up, sides)[1]), frame,
-                                                radius * on_circle(up, sides)[0], sides)
-                                   : add_ring(to, up);
+    const std::uint32_t next = k <= quarter ? add_circle(f, from - axis * (radius * on_circle(up, sides)[1]), frame,
+                                                         radius * on_circle(up, sides)[0], sides)
+                                            : add_ring(to, up);
     add_band(f, last, next, n, k == 1, false);
     last = next;
   }
@@ -230,7 +229,7 @@ SolidFaces rod_faces(const Vec3& from, const Vec3& to, double given_radius, std:
 }
 
 SolidFaces half_space_faces(const Vec3& normal, double offset, const Vec3& center, double radius) {
-  const double height = offset - dot(normal, center);  // of the plane above the centre
+  const double height = offset - dot(normal, center);  // height of the plane above the centre
   if (height <= -radius) return {};
   const std::array<Vec3, 2> frame = frame_around(normal);
   SolidFaces f;

@@ -21,8 +21,8 @@ struct BooleanExpression {
   enum class Kind : std::uint8_t { leaf, any, all, complement };
   struct Node {
     Kind kind = Kind::leaf;
-    std::uint32_t set = 0;                ///< of a leaf
-    std::vector<std::uint32_t> children;  ///< of the others; a complement has one
+    std::uint32_t set = 0;                ///< set of a leaf
+    std::vector<std::uint32_t> children;  ///< children of the others; a complement has one
   };
   std::vector<Node> nodes;
 
@@ -47,7 +47,7 @@ class BooleanState {
   const BooleanExpression& expression_;
   std::vector<std::uint32_t> parent_, true_children_;
   std::vector<std::uint8_t> value_;
-  std::vector<std::vector<std::uint32_t>> leaves_;  ///< of each set
+  std::vector<std::vector<std::uint32_t>> leaves_;  ///< leaves of each set
 };
 
 }  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_patches.h"
-#include "sansmesh/mesh/box_tree.h"
+#include "sansmesh/mesh/face_box_tree.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/repair/self_intersections.h"
 
@@ -33,7 +33,7 @@ constexpr double kCrossingFaces = 1e-7;
 const char* const kRemedy = "a reconstruction makes a closed mesh of it, a fit a function";
 
 /// Winding number of the faces about a point beside them, counted along x.
-int winding_number(const TriangleMesh& mesh, const BoxTree& tree, const Vec3& from) {
+int winding_number(const TriangleMesh& mesh, const FaceBoxTree& tree, const Vec3& from) {
   Box3f ray;
   ray.extend(Vec3f(from));
   ray.upper.x = std::numeric_limits<float>::infinity();
@@ -59,7 +59,7 @@ double share_inside(const TriangleMesh& mesh) {
   parallel_for(0, n, 8192, [&](std::size_t t) {
     for (const std::uint32_t v : mesh.triangles[t]) boxes[t].extend(mesh.vertices[v]);
   });
-  const BoxTree tree(boxes);
+  const FaceBoxTree tree(boxes);
   std::vector<std::uint8_t> wrong(tests, 0);
   parallel_for(0, tests, 1, [&](std::size_t i) {
     const Triangle& t = mesh.triangles[i * n / tests];

@@ -39,11 +39,10 @@ std::vector<std::string> summary_of(const CsgMeshReport& r) {
   if (r.largest_error > 0)
     size += fmt::format("; triangles {} off on average, at most {}", length_words(r.mean_error),
                         length_words(r.largest_error));
-  const std::string how =
-      r.mesher == CsgMesher::faces
-          ? fmt::format("exact on faces, {} cut, {} on seams", counted(r.cut_faces, "face"),
-                        counted(r.seam_vertices, "vertex"))
-          : fmt::format("cells of {}, {}", length_words(r.cell), counted(r.blocks, "block"));
+  const std::string how = r.mesher == CsgMesher::faces
+                              ? fmt::format("exact on faces, {} cut, {} on seams", counted(r.cut_faces, "face"),
+                                            counted(r.seam_vertices, "vertex"))
+                              : fmt::format("cells of {}, {}", length_words(r.cell), counted(r.blocks, "block"));
   return {fmt::format("{}, {}", size_words(r.box.size()), how), size};
 }
 

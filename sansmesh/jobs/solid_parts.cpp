@@ -134,13 +134,12 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
   progress.begin("read");
   SolidReader reader(progress);
   reader.all_meshes = true;
-  parse_csg(
-      expression,
-      [&](const std::string& name) {
-        if (is_function_file(name) || parse_isosurface_name(name)) reader.all_meshes = false;
-        return csg::sphere({}, 1);
-      },
-      {});
+  parse_csg(expression,
+            [&](const std::string& name) {
+              if (is_function_file(name) || parse_isosurface_name(name)) reader.all_meshes = false;
+              return csg::sphere({}, 1);
+            },
+            {});
   Solid outline = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });

@@ -33,8 +33,8 @@ class LateSolid {
 
 struct SolidParts {
   std::string expression;
-  Solid outline;                           ///< the solid; its meshes may have only faces, and no values
-  std::shared_ptr<const LateSolid> whole;  ///< the solid with all its values
+  Solid outline;                                          ///< the solid; its meshes may have only faces, and no values
+  std::shared_ptr<const LateSolid> whole;                 ///< the solid with all its values
   std::vector<std::string> files = {};                    ///< files in the expression
   std::map<std::string, SurfaceFunction> functions = {};  ///< the functions among them
   std::vector<Note> notes = {};

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -92,7 +90,6 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   report.mesher = CsgMesher::faces;
   report.cut_faces = made.cut_triangles;
   report.seam_vertices = made.seam_vertices - thinned.removed;
-  if (std::getenv("MB") != nullptr) std::fprintf(stderr, "removed %zu inverted %zu\n", thinned.removed, thinned.inverted);
   finish_csg(mesh, options, report);
   return mesh;
 }

@@ -337,9 +337,10 @@ const OptionSchema& CsgMeshOptions::schema() {
   using O = CsgMeshOptions;
   static constexpr std::string_view meshers[] = {"auto", "faces", "function"};
   static constexpr OptionRow rows[] = {
-      option<&O::mesher>({.text = "faces: exact operations on triangles, which stay where nothing cuts them; function: a "
-                                  "mesh of the solid's function; auto: faces for meshes, boxes and planes, if all "
-                                  "parts have faces",
+      option<&O::mesher>({.text =
+                              "faces: exact operations on triangles, which stay where nothing cuts them; function: a "
+                              "mesh of the solid's function; auto: faces for meshes, boxes and planes, if all "
+                              "parts have faces",
                           .choices = meshers}),
       option<&O::mesh_error>({.text = "Accepted mean distance between mesh and surface",
                               .unit = "length",

@@ -1,5 +1,7 @@
 #include "sansmesh/mesh/booleans/mesh_booleans.h"
 
+#include "sansmesh/mesh/booleans/thin_seams.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +31,7 @@ SolidFaces faces_of(const TriangleMesh& mesh) {
 SolidFaces box_faces(const Vec3& lower, const Vec3& upper) {
   SolidFaces f;
   for (int c = 0; c < 8; ++c)
-    f.vertices.push_back(
-        {c & 1 ? upper.x : lower.x, c & 2 ? upper.y : lower.y, c & 4 ? upper.z : lower.z});
+    f.vertices.push_back({c & 1 ? upper.x : lower.x, c & 2 ? upper.y : lower.y, c & 4 ? upper.z : lower.z});
   f.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                  {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return f;
@@ -182,7 +183,8 @@ TEST(MeshBooleans, SolidsThatTouchAreSeparateParts) {
   const SolidFaces tip{{{0.5, 0.5, 1}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}}, {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}};
   EXPECT_EQ(euler_of(united(a, tip)), 4);
   // A ridge that lies on a face.
-  const SolidFaces ridge{{{0, 0.5, 1}, {1, 0.5, 1}, {0, 0, 2}, {0, 1, 2}}, {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+  const SolidFaces ridge{{{0, 0.5, 1}, {1, 0.5, 1}, {0, 0, 2}, {0, 1, 2}},
+                         {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
   EXPECT_EQ(euler_of(united(a, ridge)), 4);
 }
 
@@ -213,8 +215,11 @@ TEST(MeshBooleans, TrianglesThatNothingTouchesStay) {
 
 TEST(MeshBooleans, VolumesOfRandomPlacementsAddUp) {
   std::mt19937 random(7);
-  const SolidFaces a = faces_of(octasphere(3)), b = faces_of(torus_mesh(24, 12)), c = box_faces({-1, -1, -1}, {1, 1, 1});
-  const auto volume = [&](const SolidFaces& f) { return volume_of({f.vertices, f.triangles, {}}); };
+  const SolidFaces a = faces_of(octasphere(3)), b = faces_of(torus_mesh(24, 12)),
+                   c = box_faces({-1, -1, -1}, {1, 1, 1});
+  const auto volume = [&](const SolidFaces& f) {
+    return volume_of({.vertices = f.vertices, .triangles = f.triangles});
+  };
   for (int i = 0; i < 20; ++i) {
     const SolidFaces p = turned(i % 2 ? a : b, random, 0.5), q = turned(i % 3 ? c : a, random, 0.5);
     const double both = volume_of(united(p, q)), overlap = volume_of(common(p, q));
@@ -255,6 +260,58 @@ TEST(MeshBooleans, TurnedCopiesAboutACommonAxis) {
   const BooleanResult all = joined_all(many, Kind::any);
   EXPECT_EQ(euler_of(all), 2);
   EXPECT_NEAR(volume_of(joined_all(many, Kind::all)), 48 * std::tan(std::numbers::pi / 48), 1e-12);
+}
+
+/// Boxes with whole corners share planes, edges and vertices in all ways.
+TEST(MeshBooleans, RandomExpressionsOfBoxesOnAGrid) {
+  constexpr int kCells = 4;
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    std::mt19937 random(seed);
+    const auto pick = [&](int a, int b) { return a + static_cast<int>(random() % static_cast<unsigned>(b - a + 1)); };
+    std::vector<SolidFaces> solids;
+    std::vector<std::array<Vec3, 2>> boxes;
+    BooleanExpression e;
+    std::vector<std::uint32_t> open;
+    const int count = pick(2, 7);
+    for (int i = 0; i < count; ++i) {
+      std::array<Vec3, 2> box;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int low = pick(0, kCells - 1);
+        box[0][k] = low, box[1][k] = pick(low + 1, kCells);
+      }
+      boxes.push_back(box);
+      solids.push_back(box_faces(box[0], box[1]));
+      open.push_back(e.leaf(static_cast<std::uint32_t>(i)));
+    }
+    while (open.size() > 1) {
+      const std::uint32_t a = open[0], b = open[1];
+      open.erase(open.begin(), open.begin() + 2);
+      const int kind = pick(0, 2);
+      const std::uint32_t second = kind == 2 ? e.combine(Kind::complement, {b}) : b;
+      open.push_back(e.combine(kind == 0 ? Kind::any : Kind::all, {a, second}));
+    }
+    int cells = 0;
+    for (int i = 0; i < kCells * kCells * kCells; ++i) {
+      const Vec3 x{i % kCells + 0.5, i / kCells % kCells + 0.5, i / (kCells * kCells) + 0.5};
+      BooleanState state(e, solids.size());
+      for (std::uint32_t s = 0; s < boxes.size(); ++s) state.put(s, Box3{boxes[s][0], boxes[s][1]}.contains(x));
+      cells += state.value();
+    }
+    BooleanResult r = combined(solids, e);
+    EXPECT_NEAR(volume_of(r), cells, 1e-12) << "seed " << seed;
+    const ThinnedSeams thinned = thin_seams(r, 1e-7);
+    EXPECT_EQ(thinned.inverted, 0u);
+    expect_manifold(r);
+    EXPECT_NEAR(volume_of(r), cells, 1e-12) << "seed " << seed;
+  }
+}
+
+/// Two bars that touch along an edge, and meet around it.
+TEST(MeshBooleans, EdgesThatPartsShareTwice) {
+  const BooleanResult r = joined_all({box_faces({0, 0, 0}, {1, 1, 3}), box_faces({1, 1, 0}, {2, 2, 3}),
+                                      box_faces({0, 1, 0}, {1, 2, 1}), box_faces({0, 1, 2}, {1, 2, 3})},
+                                     Kind::any);
+  EXPECT_DOUBLE_EQ(volume_of(r), 8);
 }
 
 TEST(MeshBooleans, FlatTrianglesOfTheInput) {

@@ -31,9 +31,8 @@ int common_corners(const Triangle& a, const Triangle& b) {
 template <class Find>
 TriangleCuts collected_cuts(std::size_t n, const Find& find) {
   std::vector<TriangleCuts> parts((n + kPairChunk - 1) / kPairChunk);
-  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    find(c * kPairChunk, std::min(n, (c + 1) * kPairChunk), parts[c]);
-  });
+  parallel_for(0, parts.size(), 1,
+               [&](std::size_t c) { find(c * kPairChunk, std::min(n, (c + 1) * kPairChunk), parts[c]); });
   TriangleCuts all;
   std::size_t points = 0, cuts = 0;
   for (const TriangleCuts& p : parts) points += p.points.size(), cuts += p.cuts.size();
@@ -54,7 +53,7 @@ TriangleCuts collected_cuts(std::size_t n, const Find& find) {
 std::vector<std::uint32_t> near_others(const SolidTriangles& in, std::span<const Box3f> boxes) {
   std::vector<Box3f> of_solid(in.solids);
   for (std::size_t t = 0; t < boxes.size(); ++t) of_solid[in.solid_of[t]].extend(boxes[t]);
-  const BoxTree solids(of_solid);
+  const FaceBoxTree solids(of_solid);
   std::vector<std::uint8_t> near(boxes.size(), 0);
   parallel_for(0, boxes.size(), 2048, [&](std::size_t t) {
     near[t] = solids.visit(boxes[t], [&](std::uint32_t s) { return s == in.solid_of[t]; }) ? 0 : 1;
@@ -74,7 +73,7 @@ void append(TriangleCuts& all, TriangleCuts&& more) {
   }
 }
 
-TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
+TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                       std::span<const Box3f> boxes) {
   const std::vector<std::uint32_t> near = near_others(in, boxes);
   // The triangles of small solids search for those of larger ones.
@@ -90,7 +89,7 @@ TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const B
     near_boxes.push_back(boxes[t]);
     if (searches(largest, t)) largest = t;
   }
-  const BoxTree near_tree(near_boxes);
+  const FaceBoxTree near_tree(near_boxes);
   TriangleCuts all = collected_cuts(near.size(), [&](std::size_t first, std::size_t last, TriangleCuts& cuts) {
     for (std::size_t i = first; i < last; ++i) {
       const std::uint32_t s = near[i];
@@ -168,8 +167,7 @@ class Cutting {
   Arrangement run() {
     chunks_.resize((first_.size() + kCutChunk - 1) / kCutChunk);
     parallel_for(0, chunks_.size(), 1, [&](std::size_t c) {
-      for (std::size_t i = c * kCutChunk; i < std::min(first_.size(), (c + 1) * kCutChunk); ++i)
-        cut(i, chunks_[c]);
+      for (std::size_t i = c * kCutChunk; i < std::min(first_.size(), (c + 1) * kCutChunk); ++i) cut(i, chunks_[c]);
     });
     return assembled();
   }
@@ -318,7 +316,7 @@ std::vector<Box3f> triangle_boxes(const SolidTriangles& in) {
   return boxes;
 }
 
-Arrangement arrange(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
+Arrangement arrange(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                     std::span<const Box3f> boxes) {
   return Cutting(in, space, all_cuts(in, space, tree, boxes)).run();
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/mesh/booleans/exact_points.h"
-#include "sansmesh/mesh/box_tree.h"
+#include "sansmesh/mesh/face_box_tree.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -27,17 +27,17 @@ std::vector<Box3f> triangle_boxes(const SolidTriangles& in);
 
 /// A triangle, or a part of one.
 struct Piece {
-  Triangle vertex;         ///< see Arrangement::point
-  std::uint32_t triangle;  ///< of which it is a part
+  Triangle vertex;           ///< see Arrangement::point
+  std::uint32_t triangle;    ///< the whole triangle
   std::array<bool, 3> seam;  ///< whether the edge from this vertex to the next is on another triangle
   bool cut = false;          ///< whether it is only a part
 };
 
 /// Pieces that meet other solids' only at common vertices and edges, or coincide with a region of them.
 struct Arrangement {
-  std::size_t corners = 0;           ///< vertices below this are corners of the input
-  std::vector<ExactPoint> seam;      ///< vertex corners + i
-  std::vector<Piece> pieces;         ///< in the order of the triangles
+  std::size_t corners = 0;       ///< vertices below this are corners of the input
+  std::vector<ExactPoint> seam;  ///< vertex corners + i
+  std::vector<Piece> pieces;     ///< in the order of the triangles
 
   ExactPoint point(const ExactSpace& space, std::uint32_t vertex) const {
     return vertex < corners ? space.corner(vertex) : seam[vertex - corners];
@@ -47,7 +47,7 @@ struct Arrangement {
 /// Equal points of pieces of cut triangles are one vertex. A triangle that meets no other solid is one piece, with its
 /// own corners or equal ones. Self-intersections of a solid are cut where they continue those with others. The result
 /// does not depend on the number of threads.
-Arrangement arrange(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
+Arrangement arrange(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                     std::span<const Box3f> boxes);
 
 }  // namespace sansmesh::inline v1

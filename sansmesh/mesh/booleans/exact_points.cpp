@@ -45,7 +45,7 @@ VecT<N> ExactSpace::place(std::uint32_t v) const {
 }
 
 template <class N>
-VecT<N> ExactSpace::normal(const CutPlane& plane) const {
+VecT<N> ExactSpace::normal(const FacePlane& plane) const {
   const VecT<N> a = place<N>(plane.corner[0]), along = place<N>(plane.corner[1]) - a;
   if (plane.axis < 0) return cross(along, place<N>(plane.corner[2]) - a);
   VecT<N> direction(N(0), N(0), N(0));
@@ -85,7 +85,7 @@ ExactPoint ExactSpace::corner(std::uint32_t v) const {
   return point;
 }
 
-ExactPoint ExactSpace::crossing(std::uint32_t a, std::uint32_t b, const CutPlane& plane) const {
+ExactPoint ExactSpace::crossing(std::uint32_t a, std::uint32_t b, const FacePlane& plane) const {
   ExactPoint point;
   point.kind = ExactPoint::Kind::crossing;
   point.edge = {std::min(a, b), std::max(a, b)};
@@ -94,7 +94,7 @@ ExactPoint ExactSpace::crossing(std::uint32_t a, std::uint32_t b, const CutPlane
   return point;
 }
 
-ExactPoint ExactSpace::meeting(const CutPlane& p, const CutPlane& q, const CutPlane& r) const {
+ExactPoint ExactSpace::meeting(const FacePlane& p, const FacePlane& q, const FacePlane& r) const {
   ExactPoint point;
   point.kind = ExactPoint::Kind::meeting;
   point.planes = {p, q, r};
@@ -142,9 +142,9 @@ int ExactSpace::side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uin
   const Vec3 p = corners_[b] - corners_[a], q = corners_[c] - corners_[a], r = corners_[d] - corners_[a];
   const double xy = p.x * q.y, yx = p.y * q.x, yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z;
   const double value = (yz - zy) * r.x + (zx - xz) * r.y + (xy - yx) * r.z;
-  const double bound = kDeterminantError * ((std::abs(yz) + std::abs(zy)) * std::abs(r.x) +
-                                            (std::abs(zx) + std::abs(xz)) * std::abs(r.y) +
-                                            (std::abs(xy) + std::abs(yx)) * std::abs(r.z));
+  const double bound = kDeterminantError *
+                       ((std::abs(yz) + std::abs(zy)) * std::abs(r.x) + (std::abs(zx) + std::abs(xz)) * std::abs(r.y) +
+                        (std::abs(xy) + std::abs(yx)) * std::abs(r.z));
   if (std::abs(value) > bound + kLeastBound) return value > 0 ? 1 : -1;
   if (side_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), place<Residue>(d)).zero()) return 0;
   return side_of(place<Dyadic>(a), place<Dyadic>(b), place<Dyadic>(c), place<Dyadic>(d)).sign();

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 
 /// The plane through three corners; with an axis, the plane through the first two that contains this direction.
-struct CutPlane {
+struct FacePlane {
   std::array<std::uint32_t, 3> corner{};
   int axis = -1;
 };
@@ -25,8 +25,8 @@ struct CutPlane {
 struct ExactPoint {
   enum class Kind : std::uint8_t { corner, crossing, meeting };
   Kind kind = Kind::corner;
-  std::array<std::uint32_t, 2> edge{};  ///< of a crossing; a corner is the first
-  std::array<CutPlane, 3> planes{};     ///< of a crossing: the first
+  std::array<std::uint32_t, 2> edge{};  ///< edge of a crossing; a corner is the first
+  std::array<FacePlane, 3> planes{};    ///< a crossing uses the first
   std::array<Bounded, 3> at;
   std::array<Residue, 3> residue;
 
@@ -54,9 +54,9 @@ class ExactSpace {
 
   ExactPoint corner(std::uint32_t v) const;
   /// The edge has ends on both sides of the plane.
-  ExactPoint crossing(std::uint32_t a, std::uint32_t b, const CutPlane& plane) const;
+  ExactPoint crossing(std::uint32_t a, std::uint32_t b, const FacePlane& plane) const;
   /// The planes have exactly one common point.
-  ExactPoint meeting(const CutPlane& p, const CutPlane& q, const CutPlane& r) const;
+  ExactPoint meeting(const FacePlane& p, const FacePlane& q, const FacePlane& r) const;
   /// The points must outlive the mean.
   ExactMean mean(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c) const;
   /// Coordinates to nearly full double precision.
@@ -84,7 +84,7 @@ class ExactSpace {
   template <class N>
   VecT<N> place(std::uint32_t v) const;
   template <class N>
-  VecT<N> normal(const CutPlane& plane) const;
+  VecT<N> normal(const FacePlane& plane) const;
   template <class N>
   struct Quotient;
   template <class N>

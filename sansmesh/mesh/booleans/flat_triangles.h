@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sansmesh/mesh/booleans/mesh_booleans.h"
+#include "sansmesh/data/boolean_expression.h"
 
 namespace sansmesh::inline v1 {
 

@@ -28,8 +28,8 @@ class FaceFans {
       : in_(in), faces_(faces), positions_(positions), corners_(3 * faces.size()), vertices_(positions.size()) {}
 
   std::vector<std::uint32_t> run() {
-    const std::vector<KeyIndex> edges = sorted_edges(
-        faces_.size(), vertices_, [&](std::size_t f) -> const Triangle& { return faces_[f].vertex; });
+    const std::vector<KeyIndex> edges =
+        sorted_edges(faces_.size(), vertices_, [&](std::size_t f) -> const Triangle& { return faces_[f].vertex; });
     for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
       for (end = first; end < edges.size() && edges[end].key == edges[first].key;) ++end;
       if (end - first == 2) {

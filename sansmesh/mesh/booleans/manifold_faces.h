@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 /// A face of the result: a piece with its final orientation.
 struct KeptPiece {
   Triangle vertex;
-  std::uint32_t triangle;  ///< of which it is a part
+  std::uint32_t triangle;  ///< the whole triangle
   bool reversed;
   bool cut;
 };

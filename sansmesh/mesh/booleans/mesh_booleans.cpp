@@ -56,7 +56,7 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   const std::vector<std::uint32_t> first = pooled(solids, in);
   const ExactSpace space(in.corners);
   const std::vector<Box3f> boxes = triangle_boxes(in);
-  const BoxTree tree(boxes);
+  const FaceBoxTree tree(boxes);
   const Arrangement arrangement = arrange(in, space, tree, boxes);
   progress.begin("classify patches");
   const PiecePatches patches = find_patches(in, arrangement);
@@ -78,9 +78,8 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   const std::size_t vertices = arrangement.corners + arrangement.seam.size();
   std::vector<Vec3> positions(vertices);
   std::copy(in.corners.begin(), in.corners.end(), positions.begin());
-  parallel_for(0, arrangement.seam.size(), 256, [&](std::size_t i) {
-    positions[arrangement.corners + i] = space.rounded(arrangement.seam[i]);
-  });
+  parallel_for(0, arrangement.seam.size(), 256,
+               [&](std::size_t i) { positions[arrangement.corners + i] = space.rounded(arrangement.seam[i]); });
   const std::vector<std::uint32_t> source = make_manifold(in, positions, faces);
   result.vertices.resize(source.size());
   result.sources.resize(source.size());
@@ -90,8 +89,8 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
       ++result.seam_vertices;
       continue;
     }
-    const auto solid = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), source[v]) -
-                                                  first.begin() - 1);
+    const auto solid =
+        static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), source[v]) - first.begin() - 1);
     result.sources[v] = {solid, source[v] - first[solid], true};
   }
   result.triangles.reserve(faces.size());

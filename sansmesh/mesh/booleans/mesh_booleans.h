@@ -33,8 +33,8 @@ struct BooleanResult {
     Vec3 normal;
   };
   std::vector<CutFace> cut_faces;
-  std::size_t cut_triangles = 0;   ///< triangles of the input that others meet
-  std::size_t seam_vertices = 0;   ///< new vertices
+  std::size_t cut_triangles = 0;  ///< triangles of the input that others meet
+  std::size_t seam_vertices = 0;  ///< new vertices
   std::size_t patches = 0;
 };
 

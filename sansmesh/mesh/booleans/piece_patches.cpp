@@ -37,7 +37,7 @@ class Windings {
 /// Rays from pieces along an axis.
 class PatchRays {
  public:
-  PatchRays(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree, const Arrangement& arrangement,
+  PatchRays(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree, const Arrangement& arrangement,
             const BooleanExpression& expression)
       : in_(in), space_(space), tree_(tree), arrangement_(arrangement), state_(expression, in.solids) {}
 
@@ -112,7 +112,7 @@ class PatchRays {
 
   const SolidTriangles& in_;
   const ExactSpace& space_;
-  const BoxTree& tree_;
+  const FaceBoxTree& tree_;
   const Arrangement& arrangement_;
   BooleanState state_;
   Windings windings_;
@@ -122,9 +122,7 @@ class PatchRays {
 
 /// Twice the area of a piece, approximately.
 double size_of(const SolidTriangles& in, const Arrangement& a, const Piece& piece) {
-  const auto at = [&](std::uint32_t v) {
-    return v < a.corners ? in.corners[v] : a.seam[v - a.corners].approximate();
-  };
+  const auto at = [&](std::uint32_t v) { return v < a.corners ? in.corners[v] : a.seam[v - a.corners].approximate(); };
   const Vec3 o = at(piece.vertex[0]);
   return norm(cross(at(piece.vertex[1]) - o, at(piece.vertex[2]) - o));
 }
@@ -133,9 +131,8 @@ double size_of(const SolidTriangles& in, const Arrangement& a, const Piece& piec
 
 PiecePatches find_patches(const SolidTriangles& in, const Arrangement& arrangement) {
   const std::vector<Piece>& pieces = arrangement.pieces;
-  const std::vector<KeyIndex> edges =
-      sorted_edges(pieces.size(), arrangement.corners + arrangement.seam.size(),
-                   [&](std::size_t p) -> const Triangle& { return pieces[p].vertex; });
+  const std::vector<KeyIndex> edges = sorted_edges(pieces.size(), arrangement.corners + arrangement.seam.size(),
+                                                   [&](std::size_t p) -> const Triangle& { return pieces[p].vertex; });
   UnionFind sets(pieces.size());
   for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
     bool seam = false;
@@ -154,7 +151,7 @@ PiecePatches find_patches(const SolidTriangles& in, const Arrangement& arrangeme
   return patches;
 }
 
-std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
+std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                                   const Arrangement& arrangement, const PiecePatches& patches,
                                   const BooleanExpression& expression) {
   // The ray begins in the largest piece, where rounding matters least.

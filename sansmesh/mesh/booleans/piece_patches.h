@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/mesh/booleans/arrangement.h"
 #include "sansmesh/data/boolean_expression.h"
+#include "sansmesh/mesh/booleans/arrangement.h"
 
 namespace sansmesh::inline v1 {
 
@@ -23,7 +23,7 @@ enum class PatchUse : std::uint8_t { dropped, kept, reversed };
 /// Whether each patch separates inside and outside of the expression: kept, if the inside is behind it. Of patches that
 /// coincide one is kept. One exact ray per patch counts the triangles of other solids above it. The patch's own solid
 /// is behind it.
-std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const BoxTree& tree,
+std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                                   const Arrangement& arrangement, const PiecePatches& patches,
                                   const BooleanExpression& expression);
 

@@ -58,8 +58,8 @@ class SeamThinning {
   /// Height over the longest edge; negative if the face is turned over.
   double shape_of(const Triangle& t, const Vec3& normal) const {
     const auto& x = mesh_.vertices;
-    const double longest = std::max({squared_norm(x[t[1]] - x[t[0]]), squared_norm(x[t[2]] - x[t[1]]),
-                                     squared_norm(x[t[0]] - x[t[2]])});
+    const double longest =
+        std::max({squared_norm(x[t[1]] - x[t[0]]), squared_norm(x[t[2]] - x[t[1]]), squared_norm(x[t[0]] - x[t[2]])});
     return longest > 0 ? dot(area_of(t), normal) / longest : 0;
   }
   static bool has(const Triangle& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
@@ -148,8 +148,8 @@ class SeamThinning {
 
   BooleanResult& mesh_;
   double tolerance_;
-  std::vector<std::uint32_t> number_;  ///< of each vertex of a cut face, in faces_
-  std::vector<std::uint32_t> normal_;  ///< of each face, in mesh_.cut_faces
+  std::vector<std::uint32_t> number_;  ///< index in faces_ of each vertex of a cut face
+  std::vector<std::uint32_t> normal_;  ///< index in mesh_.cut_faces of each face
   std::vector<std::vector<std::uint32_t>> faces_;
 };
 

@@ -46,9 +46,8 @@ TriangleCutter::TriangleCutter(const ExactSpace& space, const Triangle& corners,
     for (std::size_t i = 3; i < points_.size(); ++i)
       key[i] = morton_code(static_cast<std::uint32_t>((flat_[i][0] - lower[0]) * scale),
                            static_cast<std::uint32_t>((flat_[i][1] - lower[1]) * scale), 0);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-      return key[i] != key[j] ? key[i] < key[j] : i < j;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t i, std::uint32_t j) { return key[i] != key[j] ? key[i] < key[j] : i < j; });
   }
   for (const std::uint32_t p : order) insert(p);
 }

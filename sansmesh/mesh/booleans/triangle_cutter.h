@@ -14,7 +14,7 @@ namespace sansmesh::inline v1 {
 /// A segment between two vertices, in a plane across the triangle.
 struct CutterSegment {
   std::uint32_t from = 0, to = 0;
-  CutPlane plane;
+  FacePlane plane;
 };
 
 /// A triangulation of a triangle with given points as vertices and given segments as unions of edges. Predicates are

@@ -28,7 +28,7 @@ class PairPoints {
   }
   /// Begins a new segment, which may use the points known so far.
   void begin() { ends_.clear(); }
-  void cut(std::uint32_t triangle, const CutPlane& plane) const {
+  void cut(std::uint32_t triangle, const FacePlane& plane) const {
     if (ends_.empty()) return;
     found_.cuts.push_back({triangle, ends_.front(), ends_.back(), plane});
   }
@@ -89,8 +89,8 @@ void edge_in_plane(const ExactSpace& space, std::uint32_t a, std::uint32_t b, co
   }
 }
 
-void cut_coplanar(const ExactSpace& space, const Triangle& s, std::uint32_t of_s, const Triangle& t,
-                  std::uint32_t of_t, PairPoints& points) {
+void cut_coplanar(const ExactSpace& space, const Triangle& s, std::uint32_t of_s, const Triangle& t, std::uint32_t of_t,
+                  PairPoints& points) {
   const int axis = space.main_axis(t[0], t[1], t[2]);
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t a = s[k], b = s[(k + 1) % 3], c = t[k], d = t[(k + 1) % 3];

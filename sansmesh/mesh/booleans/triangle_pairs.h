@@ -15,7 +15,7 @@ namespace sansmesh::inline v1 {
 struct TriangleCut {
   std::uint32_t triangle = 0;
   std::uint32_t from = 0, to = 0;
-  CutPlane plane;  ///< contains the segment; not the plane of the triangle
+  FacePlane plane;  ///< contains the segment; not the plane of the triangle
 };
 
 struct TriangleCuts {

@@ -1,11 +1,11 @@
-#include "sansmesh/mesh/box_tree.h"
+#include "sansmesh/mesh/face_box_tree.h"
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 
-BoxTree::BoxTree(std::span<const Box3f> boxes) {
+FaceBoxTree::FaceBoxTree(std::span<const Box3f> boxes) {
   std::vector<Vec3> centers(boxes.size());
   parallel_for(0, centers.size(), 8192, [&](std::size_t t) { centers[t] = Vec3(boxes[t].center()); });
   order_ = space_order(centers);

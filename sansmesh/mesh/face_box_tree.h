@@ -12,9 +12,9 @@
 namespace sansmesh::inline v1 {
 
 /// Boxes in the order of a space-filling curve, under a binary tree of bounding boxes.
-class BoxTree {
+class FaceBoxTree {
  public:
-  explicit BoxTree(std::span<const Box3f> boxes);
+  explicit FaceBoxTree(std::span<const Box3f> boxes);
 
   /// Calls visit(i) for each box i that touches `query`, in an order that depends only on the boxes, until a call
   /// returns false. Returns whether none did.
