@@ -147,7 +147,7 @@ struct SANSMESH_API CsgMeshOptions {
 /// Figures of a mesh of a solid.
 struct SANSMESH_API CsgMeshReport {
   CsgMesher mesher = CsgMesher::function;  ///< algorithm used; never `automatic`
-  std::string reason;                      ///< why this one
+  std::string reason = "a function";       ///< why this one
   Box3 box;                                ///< contains the surface; tight to a thirty-second of the solid's bounds
   double cell = 0;                         ///< edge of the smallest blocks
   int depth = 0;                           ///< levels of the tree of blocks
