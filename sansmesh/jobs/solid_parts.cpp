@@ -143,13 +143,13 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
   Solid outline = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });
-  const bool late = !reader.meshes.empty() && reader.all_meshes;
-  const auto whole = std::make_shared<const LateSolid>([late, outline, expression, meshes = std::move(reader.meshes)] {
-    if (!late) return outline;
-    return parse_csg(
-        expression, [&](const std::string& name) { return solid_of_checked(*meshes.at(name), false); },
-        [&](const std::string& name) { return solid_of_checked(*meshes.at(name), true); });
-  });
+  std::shared_ptr<const LateSolid> whole;
+  if (!reader.meshes.empty() && reader.all_meshes)
+    whole = std::make_shared<const LateSolid>([expression, meshes = std::move(reader.meshes)] {
+      return parse_csg(
+          expression, [&](const std::string& name) { return solid_of_checked(*meshes.at(name), false); },
+          [&](const std::string& name) { return solid_of_checked(*meshes.at(name), true); });
+    });
   return SolidModel({expression, std::move(outline), whole, std::move(reader.files), std::move(reader.functions),
                      std::move(reader.notes)});
 }

@@ -39,7 +39,7 @@ struct SolidParts {
   std::map<std::string, SurfaceFunction> functions = {};  ///< the functions among them
   std::vector<Note> notes = {};
 
-  const Solid& solid() const { return whole->get(); }
+  const Solid& solid() const { return whole ? whole->get() : outline; }
 
   /// The function, if the solid consists of it alone; otherwise null.
   const SurfaceFunction* whole_function() const;

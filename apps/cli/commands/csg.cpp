@@ -39,7 +39,8 @@ void run_csg(const CsgArguments& a, Console& console) {
 }  // namespace
 
 Command add_csg(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("csg", "Functions, meshes and primitives, combined → closed triangle mesh with creases");
+  CommandLine& c =
+      app.add_subcommand("csg", "Functions, meshes and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
   c.add_option("expression", a->expression, "Expression in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
