@@ -188,6 +188,7 @@ class Cutting {
     std::vector<std::uint32_t> used;
     for (std::size_t i = begin; i < end; ++i)
       for (const std::uint32_t p : {cuts_.cuts[i].from, cuts_.cuts[i].to}) used.push_back(p);
+    known.reserve(used.size() + 3);
     for (std::uint32_t i = 0; i < 3; ++i) known.emplace_back(key_of(points[i]), i);
     for (std::size_t i = 0; i < used.size(); ++i)
       known.emplace_back(key_of(cuts_.points[used[i]]), static_cast<std::uint32_t>(i + 3));

@@ -14,20 +14,44 @@ constexpr double kLeastBound = 1e-280;
 constexpr std::size_t next(int axis) { return static_cast<std::size_t>((axis + 1) % 3); }
 constexpr std::size_t after_next(int axis) { return static_cast<std::size_t>((axis + 2) % 3); }
 
+/// Vectors of exact numbers are passed by reference: copies of Dyadic allocate.
 template <class N>
-VecT<N> vector_of(const std::array<N, 3>& a) {
-  return {a[0], a[1], a[2]};
+using Triple = std::array<N, 3>;
+
+template <class N>
+Triple<N> difference(const Triple<N>& a, const Triple<N>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 template <class N>
-N turn_of(const VecT<N>& a, const VecT<N>& b, const VecT<N>& c, int axis) {
+Triple<N> sum(const Triple<N>& a, const Triple<N>& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+template <class N>
+Triple<N> scaled(const Triple<N>& a, const N& s) {
+  return {a[0] * s, a[1] * s, a[2] * s};
+}
+
+template <class N>
+N product(const Triple<N>& a, const Triple<N>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <class N>
+Triple<N> outer(const Triple<N>& a, const Triple<N>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+template <class N>
+N turn_of(const Triple<N>& a, const Triple<N>& b, const Triple<N>& c, int axis) {
   const std::size_t i = next(axis), j = after_next(axis);
   return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
 }
 
 template <class N>
-N side_of(const VecT<N>& a, const VecT<N>& b, const VecT<N>& c, const VecT<N>& d) {
-  return dot(cross(b - a, c - a), d - a);
+N side_of(const Triple<N>& a, const Triple<N>& b, const Triple<N>& c, const Triple<N>& d) {
+  return product(outer(difference(b, a), difference(c, a)), difference(d, a));
 }
 
 }  // namespace
@@ -35,34 +59,37 @@ N side_of(const VecT<N>& a, const VecT<N>& b, const VecT<N>& c, const VecT<N>& d
 /// base + num / den.
 template <class N>
 struct ExactSpace::Quotient {
-  VecT<N> base, num;
+  Triple<N> base, num;
   N den;
 };
 
 template <class N>
-VecT<N> ExactSpace::place(std::uint32_t v) const {
-  return VecT<N>(corners_[v]);
+std::array<N, 3> ExactSpace::place(std::uint32_t v) const {
+  const Vec3& x = corners_[v];
+  return {N(x.x), N(x.y), N(x.z)};
 }
 
 template <class N>
-VecT<N> ExactSpace::normal(const FacePlane& plane) const {
-  const VecT<N> a = place<N>(plane.corner[0]), along = place<N>(plane.corner[1]) - a;
-  if (plane.axis < 0) return cross(along, place<N>(plane.corner[2]) - a);
-  VecT<N> direction(N(0), N(0), N(0));
+std::array<N, 3> ExactSpace::normal(const FacePlane& plane) const {
+  const Triple<N> a = place<N>(plane.corner[0]), along = difference(place<N>(plane.corner[1]), a);
+  if (plane.axis < 0) return outer(along, difference(place<N>(plane.corner[2]), a));
+  Triple<N> direction{N(0), N(0), N(0)};
   direction[static_cast<std::size_t>(plane.axis)] = N(1);
-  return cross(along, direction);
+  return outer(along, direction);
 }
 
 template <class N>
 ExactSpace::Quotient<N> ExactSpace::quotient(const ExactPoint& point) const {
   if (point.kind == ExactPoint::Kind::crossing) {
-    const VecT<N> a = place<N>(point.edge[0]), d = place<N>(point.edge[1]) - a, n = normal<N>(point.planes[0]);
-    return {a, d * dot(n, place<N>(point.planes[0].corner[0]) - a), dot(n, d)};
+    const Triple<N> a = place<N>(point.edge[0]), d = difference(place<N>(point.edge[1]), a);
+    const Triple<N> n = normal<N>(point.planes[0]);
+    return {a, scaled(d, product(n, difference(place<N>(point.planes[0].corner[0]), a))), product(n, d)};
   }
-  const VecT<N> o = place<N>(point.planes[0].corner[0]);
-  const VecT<N> n0 = normal<N>(point.planes[0]), n1 = normal<N>(point.planes[1]), n2 = normal<N>(point.planes[2]);
-  const N d1 = dot(n1, place<N>(point.planes[1].corner[0]) - o), d2 = dot(n2, place<N>(point.planes[2].corner[0]) - o);
-  return {o, cross(n2, n0) * d1 + cross(n0, n1) * d2, dot(n0, cross(n1, n2))};
+  const Triple<N> o = place<N>(point.planes[0].corner[0]);
+  const Triple<N> n0 = normal<N>(point.planes[0]), n1 = normal<N>(point.planes[1]), n2 = normal<N>(point.planes[2]);
+  const N d1 = product(n1, difference(place<N>(point.planes[1].corner[0]), o));
+  const N d2 = product(n2, difference(place<N>(point.planes[2].corner[0]), o));
+  return {o, sum(scaled(outer(n2, n0), d1), scaled(outer(n0, n1), d2)), product(n0, outer(n1, n2))};
 }
 
 void ExactSpace::complete(ExactPoint& point) const {
@@ -117,13 +144,14 @@ ExactSpace::Homogeneous ExactSpace::homogeneous(std::uint32_t corner) const { re
 
 ExactSpace::Homogeneous ExactSpace::homogeneous(const ExactPoint& point) const {
   if (point.kind == ExactPoint::Kind::corner) return homogeneous(point.edge[0]);
-  auto q = quotient<Dyadic>(point);
-  return {q.base * q.den + q.num, q.den};
+  const Quotient<Dyadic> q = quotient<Dyadic>(point);
+  return {sum(scaled(q.base, q.den), q.num), q.den};
 }
 
 ExactSpace::Homogeneous ExactSpace::homogeneous(const ExactMean& point) const {
   const Homogeneous a = homogeneous(*point.of[0]), b = homogeneous(*point.of[1]), c = homogeneous(*point.of[2]);
-  return {a.x * (b.w * c.w) + b.x * (a.w * c.w) + c.x * (a.w * b.w), Dyadic(3) * a.w * b.w * c.w};
+  return {sum(sum(scaled(a.x, b.w * c.w), scaled(b.x, a.w * c.w)), scaled(c.x, a.w * b.w)),
+          Dyadic(3) * a.w * b.w * c.w};
 }
 
 Vec3 ExactSpace::rounded(const ExactPoint& point) const {
@@ -151,13 +179,13 @@ int ExactSpace::side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uin
 }
 
 int ExactSpace::side(std::uint32_t a, std::uint32_t b, std::uint32_t c, const ExactMean& p) const {
-  const int known = side_of(place<Bounded>(a), place<Bounded>(b), place<Bounded>(c), vector_of(p.at)).sign();
+  const int known = side_of(place<Bounded>(a), place<Bounded>(b), place<Bounded>(c), p.at).sign();
   if (known != 0) return known;
-  if (side_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), vector_of(p.residue)).zero()) return 0;
+  if (side_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), p.residue).zero()) return 0;
   const Homogeneous h = homogeneous(p);
-  const VecT<Dyadic> from = place<Dyadic>(a);
-  const VecT<Dyadic> n = cross(place<Dyadic>(b) - from, place<Dyadic>(c) - from);
-  return dot(n, h.x - from * h.w).sign() * h.w.sign();
+  const Triple<Dyadic> from = place<Dyadic>(a);
+  const Triple<Dyadic> n = outer(difference(place<Dyadic>(b), from), difference(place<Dyadic>(c), from));
+  return product(n, difference(h.x, scaled(from, h.w))).sign() * h.w.sign();
 }
 
 int ExactSpace::exact_turn(const Homogeneous& a, const Homogeneous& b, const Homogeneous& c, int axis) {
@@ -178,16 +206,16 @@ int ExactSpace::turn(std::uint32_t a, std::uint32_t b, std::uint32_t c, int axis
 }
 
 int ExactSpace::turn(std::uint32_t a, std::uint32_t b, const ExactMean& p, int axis) const {
-  const int known = turn_of(place<Bounded>(a), place<Bounded>(b), vector_of(p.at), axis).sign();
+  const int known = turn_of(place<Bounded>(a), place<Bounded>(b), p.at, axis).sign();
   if (known != 0) return known;
-  if (turn_of(place<Residue>(a), place<Residue>(b), vector_of(p.residue), axis).zero()) return 0;
+  if (turn_of(place<Residue>(a), place<Residue>(b), p.residue, axis).zero()) return 0;
   return exact_turn(homogeneous(a), homogeneous(b), homogeneous(p), axis);
 }
 
 int ExactSpace::turn(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, int axis) const {
-  const int known = turn_of(vector_of(a.at), vector_of(b.at), vector_of(c.at), axis).sign();
+  const int known = turn_of(a.at, b.at, c.at, axis).sign();
   if (known != 0) return known;
-  if (turn_of(vector_of(a.residue), vector_of(b.residue), vector_of(c.residue), axis).zero()) return 0;
+  if (turn_of(a.residue, b.residue, c.residue, axis).zero()) return 0;
   return exact_turn(homogeneous(a), homogeneous(b), homogeneous(c), axis);
 }
 

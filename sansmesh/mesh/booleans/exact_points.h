@@ -74,7 +74,7 @@ class ExactSpace {
 
  private:
   struct Homogeneous {
-    VecT<Dyadic> x;
+    std::array<Dyadic, 3> x;
     Dyadic w;
   };
   Homogeneous homogeneous(std::uint32_t corner) const;
@@ -82,9 +82,9 @@ class ExactSpace {
   Homogeneous homogeneous(const ExactMean& point) const;
   static int exact_turn(const Homogeneous& a, const Homogeneous& b, const Homogeneous& c, int axis);
   template <class N>
-  VecT<N> place(std::uint32_t v) const;
+  std::array<N, 3> place(std::uint32_t v) const;
   template <class N>
-  VecT<N> normal(const FacePlane& plane) const;
+  std::array<N, 3> normal(const FacePlane& plane) const;
   template <class N>
   struct Quotient;
   template <class N>
