@@ -314,6 +314,22 @@ TEST(MeshBooleans, EdgesThatPartsShareTwice) {
   EXPECT_DOUBLE_EQ(volume_of(r), 8);
 }
 
+/// Two balls that cross in one mesh, cut through their crossing; cubes of one mesh with a common edge.
+TEST(MeshBooleans, SolidsThatMeetThemselves) {
+  const SolidFaces balls = faces_of(joined(octasphere(3), octasphere(3), {0.7f, 0.1f, 0.03f}));
+  const SolidFaces bar = moved(prism(16, 0.4, -2, 2), {0.35, 0, 0});
+  const double whole = volume_of(less(balls, bar)) + volume_of(common(balls, bar));
+  EXPECT_NEAR(whole, volume_of(united(faces_of(octasphere(3)), moved(faces_of(octasphere(3)), {0.7f, 0.1f, 0.03f}))),
+              1e-6);
+  SolidFaces cubes = box_faces({0, 0, 0}, {1, 1, 1});
+  const SolidFaces other = box_faces({1, 1, 0}, {2, 2, 1});
+  const std::array<std::uint32_t, 8> names{3, 8, 9, 10, 7, 11, 12, 13};  // 3 and 7 are the common corners
+  for (const std::uint32_t c : {1u, 2u, 3u, 5u, 6u, 7u}) cubes.vertices.push_back(other.vertices[c]);
+  for (const Triangle& t : other.triangles) cubes.triangles.push_back({names[t[0]], names[t[1]], names[t[2]]});
+  ASSERT_TRUE(encloses(cubes));
+  EXPECT_NEAR(volume_of(less(cubes, box_faces({0.5, 0.5, 0.25}, {1.5, 1.5, 0.75}))), 1.75, 1e-12);
+}
+
 TEST(MeshBooleans, FlatTrianglesOfTheInput) {
   // A vertex on an edge of the top face, which one triangle without area fills.
   SolidFaces a = box_faces({0, 0, 0}, {2, 2, 2});

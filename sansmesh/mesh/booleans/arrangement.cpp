@@ -103,9 +103,11 @@ TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const F
   });
   // Cut triangles are also cut by their own solid, so that all see the same vertices on a seam.
   std::vector<std::uint8_t> seen(in.triangles.size(), 0);
+  std::vector<std::uint32_t> fresh;
+  for (std::uint32_t t = 0; t < in.triangles.size(); ++t)
+    if (in.resolved[in.solid_of[t]] != 0) seen[t] = 1, fresh.push_back(t);
   std::size_t read = 0;
-  while (read < all.cuts.size()) {
-    std::vector<std::uint32_t> fresh;
+  while (read < all.cuts.size() || !fresh.empty()) {
     for (; read < all.cuts.size(); ++read)
       if (std::uint8_t& s = seen[all.cuts[read].triangle]; s == 0) s = 1, fresh.push_back(all.cuts[read].triangle);
     std::sort(fresh.begin(), fresh.end());
@@ -132,6 +134,7 @@ TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const F
              }
            }));
     for (const std::uint32_t t : fresh) seen[t] = 1;
+    fresh.clear();
   }
   return all;
 }

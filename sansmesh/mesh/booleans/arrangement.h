@@ -18,6 +18,8 @@ struct SolidTriangles {
   std::vector<Triangle> triangles;      ///< with areas; each solid closed and oriented
   std::vector<std::uint32_t> solid_of;  ///< solid of each triangle
   std::size_t solids = 0;
+  /// Whether all intersections of each solid with itself are cut, too, so that winding numbers are those of patches.
+  std::vector<std::uint8_t> resolved;
 };
 
 /// Box of a triangle, rounded outward.
@@ -45,8 +47,8 @@ struct Arrangement {
 };
 
 /// Equal points of pieces of cut triangles are one vertex. A triangle that meets no other solid is one piece, with its
-/// own corners or equal ones. Self-intersections of a solid are cut where they continue those with others. The result
-/// does not depend on the number of threads.
+/// own corners or equal ones. Self-intersections of solids that are not `resolved` are cut where they continue those
+/// with others. The result does not depend on the number of threads.
 Arrangement arrange(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
                     std::span<const Box3f> boxes);
 

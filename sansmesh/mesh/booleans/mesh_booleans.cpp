@@ -57,10 +57,20 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   const ExactSpace space(in.corners);
   const std::vector<Box3f> boxes = triangle_boxes(in);
   const FaceBoxTree tree(boxes);
-  const Arrangement arrangement = arrange(in, space, tree, boxes);
-  progress.begin("classify patches");
-  const PiecePatches patches = find_patches(in, arrangement);
-  const std::vector<PatchUse> use = use_patches(in, space, tree, arrangement, patches, expression);
+  in.resolved.assign(in.solids, 0);
+  Arrangement arrangement;
+  PiecePatches patches;
+  PatchUses use;
+  while (true) {
+    arrangement = arrange(in, space, tree, boxes);
+    progress.begin("classify patches");
+    patches = find_patches(in, arrangement);
+    use = use_patches(in, space, tree, arrangement, patches, expression);
+    if (use.tangled.empty()) break;
+    // Solids whose parts overlap each other are arranged with themselves, too.
+    for (const std::uint32_t s : use.tangled) in.resolved[s] = 1;
+    progress.begin("arrange triangles");
+  }
 
   progress.begin("assemble mesh");
   std::vector<KeptPiece> faces;
@@ -69,7 +79,7 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   for (std::size_t p = 0; p < arrangement.pieces.size(); ++p) {
     const Piece& piece = arrangement.pieces[p];
     result.cut_triangles += piece.cut && (p == 0 || arrangement.pieces[p - 1].triangle != piece.triangle);
-    const PatchUse used = use[patches.of_piece[p]];
+    const PatchUse used = use.of_patch[patches.of_piece[p]];
     if (used == PatchUse::dropped) continue;
     Triangle v = piece.vertex;
     if (used == PatchUse::reversed) std::swap(v[1], v[2]);

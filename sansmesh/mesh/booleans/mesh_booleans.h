@@ -41,8 +41,9 @@ struct BooleanResult {
 /// The result is closed, and manifold: vertices and edges where its parts only touch are duplicated. Triangles that
 /// meet no other solid stay as they are. Seams are exact up to the rounding of new vertices to double. Coincident faces
 /// are faces of both solids: a common one remains in a union if both solids are on the same side of it.
-/// The winding number decides what is inside of a solid. Solids satisfy encloses(). Deterministic for any number of
-/// threads. Throws Cancelled.
+/// Points are inside of a solid where its winding number is positive. Intersections of a solid with itself stay, unless
+/// seams meet them or parts of a solid overlap; then all of that solid are resolved. Solids satisfy encloses().
+/// Deterministic for any number of threads. Throws Cancelled.
 BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanExpression& expression,
                              Progress& progress);
 

@@ -49,18 +49,23 @@ class PatchRays {
                                             arrangement_.point(space_, piece.vertex[2])};
     const ExactMean from = space_.mean(corners[0], corners[1], corners[2]);
     windings_.clear();
-    duplicate_ = false;
+    duplicate_ = tangled_ = false;
     tree_.visit(ray_box(from), [&](std::uint32_t t) { return meet(from, piece, t), true; });
     const int facing = space_.turn(own[0], own[1], own[2], axis_);
-    Windings::Entry& self = windings_.of(in_.solid_of[piece.triangle]);
-    self.above = facing > 0 ? 0 : 1;
-    self.on_patch = facing;
+    if (const std::uint32_t solid = in_.solid_of[piece.triangle]; in_.resolved[solid] == 0) {
+      Windings::Entry& self = windings_.of(solid);
+      tangled_ = self.above != (facing > 0 ? 0 : 1) || self.on_patch != facing;
+      self.above = facing > 0 ? 0 : 1;
+      self.on_patch = facing;
+    }
     if (duplicate_) return PatchUse::dropped;
     bool along = value(false), against = value(true);
     if (facing < 0) std::swap(along, against);
     if (along == against) return PatchUse::dropped;
     return against ? PatchUse::kept : PatchUse::reversed;
   }
+  /// Whether the winding number of the last piece's own solid beside it is not that of a simple solid.
+  bool tangled() const { return tangled_; }
 
  private:
   /// A box around the ray, with room for the rounding of its start.
@@ -86,8 +91,7 @@ class PatchRays {
   }
 
   void meet(const ExactMean& from, const Piece& piece, std::uint32_t t) {
-    const std::uint32_t solid = in_.solid_of[t];
-    if (solid == in_.solid_of[piece.triangle]) return;
+    const std::uint32_t solid = in_.solid_of[t], own = in_.solid_of[piece.triangle];
     const Triangle& other = in_.triangles[t];
     const int first = side_of_edge(other[0], other[1], from);
     if (first == 0 || side_of_edge(other[1], other[2], from) != first ||
@@ -98,7 +102,7 @@ class PatchRays {
     if (side < 0) windings_.of(solid).above += first;
     if (side != 0) return;
     windings_.of(solid).on_patch += first;
-    if (solid < in_.solid_of[piece.triangle]) duplicate_ = true;
+    if (solid < own || (solid == own && t < piece.triangle && in_.resolved[own] != 0)) duplicate_ = true;
   }
 
   /// Whether the expression contains the points beside the piece, on the side of the ray or on the other.
@@ -117,7 +121,7 @@ class PatchRays {
   BooleanState state_;
   Windings windings_;
   int axis_ = 0;
-  bool duplicate_ = false;
+  bool duplicate_ = false, tangled_ = false;
 };
 
 /// Twice the area of a piece, approximately.
@@ -151,9 +155,9 @@ PiecePatches find_patches(const SolidTriangles& in, const Arrangement& arrangeme
   return patches;
 }
 
-std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
-                                  const Arrangement& arrangement, const PiecePatches& patches,
-                                  const BooleanExpression& expression) {
+PatchUses use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
+                      const Arrangement& arrangement, const PiecePatches& patches,
+                      const BooleanExpression& expression) {
   // The ray begins in the largest piece, where rounding matters least.
   std::vector<std::uint32_t> largest(patches.count, ~0u);
   std::vector<double> size(patches.count, -1);
@@ -162,12 +166,18 @@ std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& sp
     const double own = size_of(in, arrangement, arrangement.pieces[p]);
     if (own > size[patch]) size[patch] = own, largest[patch] = p;
   }
-  std::vector<PatchUse> use(patches.count);
+  PatchUses use;
+  use.of_patch.resize(patches.count);
+  std::vector<std::uint8_t> tangled(patches.count, 0);
   parallel_for(0, (patches.count + kRayChunk - 1) / kRayChunk, 1, [&](std::size_t c) {
     PatchRays rays(in, space, tree, arrangement, expression);
     for (std::size_t i = c * kRayChunk; i < std::min(patches.count, (c + 1) * kRayChunk); ++i)
-      use[i] = rays.use(arrangement.pieces[largest[i]]);
+      use.of_patch[i] = rays.use(arrangement.pieces[largest[i]]), tangled[i] = rays.tangled() ? 1 : 0;
   });
+  for (std::size_t i = 0; i < patches.count; ++i)
+    if (tangled[i] != 0) use.tangled.push_back(in.solid_of[arrangement.pieces[largest[i]].triangle]);
+  std::sort(use.tangled.begin(), use.tangled.end());
+  use.tangled.erase(std::unique(use.tangled.begin(), use.tangled.end()), use.tangled.end());
   return use;
 }
 

@@ -20,11 +20,16 @@ PiecePatches find_patches(const SolidTriangles& in, const Arrangement& arrangeme
 /// What becomes of a patch.
 enum class PatchUse : std::uint8_t { dropped, kept, reversed };
 
+struct PatchUses {
+  std::vector<PatchUse> of_patch;
+  /// Solids that are not `resolved`, but whose winding number beside a patch of theirs is not that of a simple solid.
+  std::vector<std::uint32_t> tangled;
+};
+
 /// Whether each patch separates inside and outside of the expression: kept, if the inside is behind it. Of patches that
-/// coincide one is kept. One exact ray per patch counts the triangles of other solids above it. The patch's own solid
-/// is behind it.
-std::vector<PatchUse> use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
-                                  const Arrangement& arrangement, const PiecePatches& patches,
-                                  const BooleanExpression& expression);
+/// coincide one is kept. One exact ray per patch counts the triangles above it. A solid that is not `resolved` is
+/// behind its own patches.
+PatchUses use_patches(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
+                      const Arrangement& arrangement, const PiecePatches& patches, const BooleanExpression& expression);
 
 }  // namespace sansmesh::inline v1
