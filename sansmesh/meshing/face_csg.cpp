@@ -72,6 +72,10 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
       return std::nullopt;
     }
   BooleanResult made = combine_solids(parts.parts, parts.expression, progress);
+  if (!made.closed) {
+    report.reason = "intersections of a mesh with itself cannot be resolved";
+    return std::nullopt;
+  }
   if (made.triangles.empty()) throw DataError("the solid is empty");
   progress.begin("thin seams");
   double farthest = 0;

@@ -27,11 +27,14 @@ class FaceFans {
   FaceFans(const SolidTriangles& in, std::vector<KeptPiece>& faces, std::vector<Vec3>& positions)
       : in_(in), faces_(faces), positions_(positions), corners_(3 * faces.size()), vertices_(positions.size()) {}
 
-  std::vector<std::uint32_t> run() {
+  std::optional<std::vector<std::uint32_t>> run() {
     const std::vector<KeyIndex> edges =
         sorted_edges(faces_.size(), vertices_, [&](std::size_t f) -> const Triangle& { return faces_[f].vertex; });
     for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
       for (end = first; end < edges.size() && edges[end].key == edges[first].key;) ++end;
+      int balance = 0;
+      for (std::size_t i = first; i < end; ++i) balance += at(edges[i].index) == edges[i].key >> 32 ? 1 : -1;
+      if (balance != 0) return std::nullopt;
       if (end - first == 2) {
         join(edges[first].index, edges[first + 1].index);
       } else {
@@ -167,8 +170,8 @@ Vec3 kept_normal(const SolidTriangles& in, const KeptPiece& face) {
   return face.reversed ? -n : n;
 }
 
-std::vector<std::uint32_t> make_manifold(const SolidTriangles& in, std::vector<Vec3>& positions,
-                                         std::vector<KeptPiece>& faces) {
+std::optional<std::vector<std::uint32_t>> make_manifold(const SolidTriangles& in, std::vector<Vec3>& positions,
+                                                        std::vector<KeptPiece>& faces) {
   return FaceFans(in, faces, positions).run();
 }
 

@@ -28,6 +28,53 @@ std::vector<std::uint32_t> pooled(std::span<const SolidFaces> solids, SolidTrian
   return first;
 }
 
+/// The pieces of the result, with their orientation there. Counts cut triangles.
+std::vector<KeptPiece> kept_faces(const Arrangement& arrangement, const PiecePatches& patches, const PatchUses& use,
+                                  BooleanResult& result) {
+  std::vector<KeptPiece> faces;
+  for (std::size_t p = 0; p < arrangement.pieces.size(); ++p) {
+    const Piece& piece = arrangement.pieces[p];
+    result.cut_triangles += piece.cut && (p == 0 || arrangement.pieces[p - 1].triangle != piece.triangle);
+    const PatchUse used = use.of_patch[patches.of_piece[p]];
+    if (used == PatchUse::dropped) continue;
+    Triangle v = piece.vertex;
+    if (used == PatchUse::reversed) std::swap(v[1], v[2]);
+    faces.push_back({v, piece.triangle, used == PatchUse::reversed, piece.cut});
+  }
+  return faces;
+}
+
+std::vector<Vec3> positions_of(const SolidTriangles& in, const ExactSpace& space, const Arrangement& arrangement) {
+  std::vector<Vec3> positions(arrangement.corners + arrangement.seam.size());
+  std::copy(in.corners.begin(), in.corners.end(), positions.begin());
+  parallel_for(0, arrangement.seam.size(), 256,
+               [&](std::size_t i) { positions[arrangement.corners + i] = space.rounded(arrangement.seam[i]); });
+  return positions;
+}
+
+/// `first`: first corner of each solid; `source`: position of each vertex of the faces.
+void fill(BooleanResult& result, const SolidTriangles& in, const std::vector<std::uint32_t>& first,
+          const std::vector<Vec3>& positions, const std::vector<std::uint32_t>& source,
+          const std::vector<KeptPiece>& faces) {
+  result.vertices.resize(source.size());
+  result.sources.resize(source.size());
+  for (std::size_t v = 0; v < source.size(); ++v) {
+    result.vertices[v] = positions[source[v]];
+    if (source[v] >= in.corners.size()) {
+      ++result.seam_vertices;
+      continue;
+    }
+    const auto solid =
+        static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), source[v]) - first.begin() - 1);
+    result.sources[v] = {solid, source[v] - first[solid], true};
+  }
+  result.triangles.reserve(faces.size());
+  for (const KeptPiece& f : faces) {
+    if (f.cut) result.cut_faces.push_back({static_cast<std::uint32_t>(result.triangles.size()), kept_normal(in, f)});
+    result.triangles.push_back(f.vertex);
+  }
+}
+
 }  // namespace
 
 bool encloses(const SolidFaces& faces) {
@@ -58,57 +105,30 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   const std::vector<Box3f> boxes = triangle_boxes(in);
   const FaceBoxTree tree(boxes);
   in.resolved.assign(in.solids, 0);
-  Arrangement arrangement;
-  PiecePatches patches;
-  PatchUses use;
   while (true) {
-    arrangement = arrange(in, space, tree, boxes);
+    const Arrangement arrangement = arrange(in, space, tree, boxes);
     progress.begin("classify patches");
-    patches = find_patches(in, arrangement);
-    use = use_patches(in, space, tree, arrangement, patches, expression);
-    if (use.tangled.empty()) break;
+    const PiecePatches patches = find_patches(in, arrangement);
+    const PatchUses use = use_patches(in, space, tree, arrangement, patches, expression);
+    if (use.tangled.empty()) {
+      progress.begin("assemble mesh");
+      BooleanResult result;
+      result.patches = patches.count;
+      std::vector<KeptPiece> faces = kept_faces(arrangement, patches, use, result);
+      std::vector<Vec3> positions = positions_of(in, space, arrangement);
+      const auto source = make_manifold(in, positions, faces);
+      const bool last = std::count(in.resolved.begin(), in.resolved.end(), 0) == 0;
+      if (source || last) {
+        if (source) fill(result, in, first, positions, *source, faces);
+        result.closed = source.has_value();
+        return result;
+      }
+    }
     // Solids whose parts overlap each other are arranged with themselves, too.
     for (const std::uint32_t s : use.tangled) in.resolved[s] = 1;
+    if (use.tangled.empty()) std::fill(in.resolved.begin(), in.resolved.end(), std::uint8_t{1});
     progress.begin("arrange triangles");
   }
-
-  progress.begin("assemble mesh");
-  std::vector<KeptPiece> faces;
-  BooleanResult result;
-  result.patches = patches.count;
-  for (std::size_t p = 0; p < arrangement.pieces.size(); ++p) {
-    const Piece& piece = arrangement.pieces[p];
-    result.cut_triangles += piece.cut && (p == 0 || arrangement.pieces[p - 1].triangle != piece.triangle);
-    const PatchUse used = use.of_patch[patches.of_piece[p]];
-    if (used == PatchUse::dropped) continue;
-    Triangle v = piece.vertex;
-    if (used == PatchUse::reversed) std::swap(v[1], v[2]);
-    faces.push_back({v, piece.triangle, used == PatchUse::reversed, piece.cut});
-  }
-  const std::size_t vertices = arrangement.corners + arrangement.seam.size();
-  std::vector<Vec3> positions(vertices);
-  std::copy(in.corners.begin(), in.corners.end(), positions.begin());
-  parallel_for(0, arrangement.seam.size(), 256,
-               [&](std::size_t i) { positions[arrangement.corners + i] = space.rounded(arrangement.seam[i]); });
-  const std::vector<std::uint32_t> source = make_manifold(in, positions, faces);
-  result.vertices.resize(source.size());
-  result.sources.resize(source.size());
-  for (std::size_t v = 0; v < source.size(); ++v) {
-    result.vertices[v] = positions[source[v]];
-    if (source[v] >= arrangement.corners) {
-      ++result.seam_vertices;
-      continue;
-    }
-    const auto solid =
-        static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), source[v]) - first.begin() - 1);
-    result.sources[v] = {solid, source[v] - first[solid], true};
-  }
-  result.triangles.reserve(faces.size());
-  for (const KeptPiece& f : faces) {
-    if (f.cut) result.cut_faces.push_back({static_cast<std::uint32_t>(result.triangles.size()), kept_normal(in, f)});
-    result.triangles.push_back(f.vertex);
-  }
-  return result;
 }
 
 }  // namespace sansmesh::inline v1

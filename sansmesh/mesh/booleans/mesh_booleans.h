@@ -36,6 +36,7 @@ struct BooleanResult {
   std::size_t cut_triangles = 0;  ///< triangles of the input that others meet
   std::size_t seam_vertices = 0;  ///< new vertices
   std::size_t patches = 0;
+  bool closed = true;  ///< false, without faces, if self-intersections of the input cannot be resolved
 };
 
 /// The result is closed, and manifold: vertices and edges where its parts only touch are duplicated. Triangles that
