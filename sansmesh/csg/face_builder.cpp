@@ -60,8 +60,9 @@ std::uint32_t FaceBuilder::add(const Similarity& map, double count, const Make& 
   return push(std::move(faces), nullptr, map, count);
 }
 
-std::uint32_t FaceBuilder::mesh(std::shared_ptr<const TriangleMesh> mesh, const Similarity& map) {
+std::uint32_t FaceBuilder::mesh(std::shared_ptr<const TriangleMesh> mesh, bool overlaps, const Similarity& map) {
   SolidFaces faces;
+  faces.overlaps = overlaps;
   if (build_) {
     const bool moved = map.rotates() || map.scale != 1 || map.translation != Vec3{};
     // Without a map, vertices relative to the common origin are exact.

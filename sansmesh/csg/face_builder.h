@@ -25,7 +25,7 @@ class FaceBuilder {
   FaceBuilder(double mesh_error, const Box3& region, const Vec3& origin);
 
   /// All of these return the index of a node of the expression.
-  std::uint32_t mesh(std::shared_ptr<const TriangleMesh> mesh, const Similarity& map);
+  std::uint32_t mesh(std::shared_ptr<const TriangleMesh> mesh, bool overlaps, const Similarity& map);
   std::uint32_t ball(const Vec3& center, double radius, const Similarity& map);
   std::uint32_t box(const Vec3& lower, const Vec3& upper, const Similarity& map);
   std::uint32_t half_space(const Vec3& normal, double offset, const Similarity& map);

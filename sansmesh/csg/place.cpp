@@ -150,7 +150,8 @@ class LeafNode final : public SolidNode {
 /// A mesh without a field.
 class FaceLeafNode final : public SolidNode {
  public:
-  explicit FaceLeafNode(std::shared_ptr<const TriangleMesh> mesh) : SolidNode(Traits{}), mesh_(std::move(mesh)) {
+  FaceLeafNode(std::shared_ptr<const TriangleMesh> mesh, bool overlaps)
+      : SolidNode(Traits{}), mesh_(std::move(mesh)), overlaps_(overlaps) {
     for (const Vec3f& v : mesh_->vertices) box_.extend(mesh_->origin + Vec3(v));
     keep_extents();
   }
@@ -165,7 +166,7 @@ class FaceLeafNode final : public SolidNode {
     no_values();
   }
   std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
-    return builder.mesh(mesh_, map);
+    return builder.mesh(mesh_, overlaps_, map);
   }
   double support(const Vec3& n) const override {
     double sum = 0;
@@ -177,6 +178,7 @@ class FaceLeafNode final : public SolidNode {
  private:
   [[noreturn]] static void no_values() { throw std::logic_error("a face leaf has no values"); }
   std::shared_ptr<const TriangleMesh> mesh_;
+  bool overlaps_;
   Box3 box_;
 };
 
@@ -226,9 +228,9 @@ Solid distance_leaf(std::shared_ptr<const ScalarField> field) {
   return Solid(std::make_shared<LeafNode>(std::move(field), std::shared_ptr<const FieldKnowledge>(), bounds));
 }
 
-Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh) {
+Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh, bool overlaps) {
   if (!mesh || mesh->triangles.empty()) throw ArgumentError("leaf: the mesh has no triangles");
-  return Solid(std::make_shared<FaceLeafNode>(std::move(mesh)));
+  return Solid(std::make_shared<FaceLeafNode>(std::move(mesh), overlaps));
 }
 
 Solid translate(const Solid& a, const Vec3& by) {

@@ -98,8 +98,8 @@ Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const Field
 Solid distance_leaf(std::shared_ptr<const ScalarField> field);
 
 /// A closed mesh as faces alone (face_builder.h): its bounds are known, its values are not. For solids that may never
-/// be evaluated; evaluation throws std::logic_error.
-Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh);
+/// be evaluated; evaluation throws std::logic_error. `overlaps`: its parts may overlap each other.
+Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh, bool overlaps = false);
 
 // ---- Combinations ------------------------------------------------------------------------------------------------
 //

@@ -13,6 +13,7 @@ namespace sansmesh::inline v1 {
 struct SolidFaces {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;  ///< counter-clockwise seen from outside
+  bool overlaps = false;            ///< whether parts may overlap each other; the solid is their union
 };
 
 /// A tree of unions, intersections and complements of numbered sets. Nodes precede their parents; the last is the

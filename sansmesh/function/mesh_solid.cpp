@@ -51,8 +51,13 @@ int winding_number(const TriangleMesh& mesh, const FaceBoxTree& tree, const Vec3
   return winding;
 }
 
-/// Share of faces, estimated at some of them, beside which the winding number is not that of the surface of a solid.
-double share_inside(const TriangleMesh& mesh) {
+/// Shares of faces, estimated at some of them.
+struct InsideShares {
+  double overlapping = 0;  ///< faces of the right orientation inside of others
+  double wrong = 0;        ///< other faces beside which the winding number is not that of the surface of a solid
+};
+
+InsideShares inside_shares(const TriangleMesh& mesh) {
   const std::size_t n = mesh.triangles.size(), tests = std::min(n, kMostChecked);
   const double step = 1e-4 * static_cast<double>(bounds(mesh).diagonal());
   std::vector<Box3f> boxes(n);
@@ -60,16 +65,26 @@ double share_inside(const TriangleMesh& mesh) {
     for (const std::uint32_t v : mesh.triangles[t]) boxes[t].extend(mesh.vertices[v]);
   });
   const FaceBoxTree tree(boxes);
-  std::vector<std::uint8_t> wrong(tests, 0);
+  enum Side : std::uint8_t { kRight, kOverlapping, kWrong };
+  std::vector<std::uint8_t> side(tests, kRight);
   parallel_for(0, tests, 1, [&](std::size_t i) {
     const Triangle& t = mesh.triangles[i * n / tests];
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    const Vec3 normal = normalized(cross(b - a, c - a));
+    const Vec3 normal = normalized(cross(b - a, c - a)), middle = (a + b + c) / 3;
     if (normal == Vec3{}) return;
-    for (const double side : {-1.0, 1.0})
-      if (winding_number(mesh, tree, (a + b + c) / 3 + normal * (side * step)) != (side < 0 ? 1 : 0)) wrong[i] = 1;
+    const int above = winding_number(mesh, tree, middle + normal * step),
+              below = winding_number(mesh, tree, middle - normal * step);
+    if (above != 0 || below != 1) side[i] = above > 0 && below > above ? kOverlapping : kWrong;
   });
-  return static_cast<double>(std::count(wrong.begin(), wrong.end(), 1)) / static_cast<double>(tests);
+  const auto share = [&](Side s) {
+    return static_cast<double>(std::count(side.begin(), side.end(), s)) / static_cast<double>(tests);
+  };
+  return {share(kOverlapping), share(kWrong)};
+}
+
+[[noreturn]] void refuse_inside(double share) {
+  throw DataError(
+      fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}", 100 * share, kRemedy));
 }
 
 /// Where faces cross each other the inside is ambiguous.
@@ -123,7 +138,7 @@ std::size_t close_holes(TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warnings) {
+TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warnings, bool* overlaps) {
   TriangleMesh mesh;  // other vertex data is not needed
   mesh.origin = given.origin;
   mesh.vertices = std::move(given.vertices);
@@ -145,11 +160,18 @@ TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warning
     reverse_orientation(mesh);
     warnings.push_back("its faces point inward: reversed");
   }
-  if (const double inside = share_inside(mesh); inside > kMostInside)
-    throw DataError(fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}",
-                                100 * inside, kRemedy));
-  warn_of_crossings(mesh, warnings);
+  const InsideShares sides = inside_shares(mesh);
+  const double inside = sides.overlapping + sides.wrong;
+  const bool unites = overlaps != nullptr && sides.wrong <= kMostInside && sides.overlapping > kMostInside;
+  if (inside > kMostInside && !unites) refuse_inside(inside);
+  if (overlaps != nullptr) *overlaps = unites;
+  if (!unites) warn_of_crossings(mesh, warnings);
   return mesh;
+}
+
+void require_no_overlaps(const TriangleMesh& mesh) {
+  const InsideShares sides = inside_shares(mesh);
+  if (sides.overlapping + sides.wrong > kMostInside) refuse_inside(sides.overlapping + sides.wrong);
 }
 
 Solid solid_of_checked(TriangleMesh mesh, bool rounded) {

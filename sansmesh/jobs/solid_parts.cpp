@@ -22,6 +22,21 @@ namespace {
 /// Share of the area that bounds no solid above which a function is reported.
 constexpr double kOpenShare = 0.01;
 
+/// A closed and oriented mesh.
+struct CheckedMesh {
+  std::shared_ptr<const TriangleMesh> mesh;
+  bool overlaps = false;  ///< its parts overlap: it has no distance
+
+  Solid distance(const std::string& name, bool rounded) const {
+    try {
+      if (overlaps) require_no_overlaps(*mesh);
+    } catch (const DataError& e) {
+      throw FileError(name, e.what());
+    }
+    return solid_of_checked(*mesh, rounded);
+  }
+};
+
 /// Reads the files of an expression, each once.
 class SolidReader {
  public:
@@ -30,7 +45,7 @@ class SolidReader {
   std::vector<std::string> files;
   std::map<std::string, SurfaceFunction> functions;
   std::vector<Note> notes;
-  std::map<std::string, std::shared_ptr<const TriangleMesh>> meshes;  ///< closed and oriented
+  std::map<std::string, CheckedMesh> meshes;
   bool all_meshes = false;  ///< no functions or volumes: meshes are read as faces
 
   Solid solid(const std::string& name) {
@@ -64,19 +79,22 @@ class SolidReader {
     return known->second.shared();
   }
 
-  /// The faces alone.
+  /// With `all_meshes` the faces alone.
   Solid mesh(const std::string& name, bool rounded) {
     auto known = meshes.find(name);
     if (known == meshes.end()) known = meshes.emplace(name, load_solid(name)).first;
     add_file(name);
-    return all_meshes ? csg::face_leaf(known->second) : solid_of_checked(*known->second, rounded);
+    const CheckedMesh& checked = known->second;
+    return all_meshes ? csg::face_leaf(checked.mesh, checked.overlaps) : checked.distance(name, rounded);
   }
 
-  std::shared_ptr<const TriangleMesh> load_solid(const std::string& name) {
+  CheckedMesh load_solid(const std::string& name) {
     TriangleMesh loaded = load_mesh(name);
     std::vector<std::string> warnings;
     try {
-      auto checked = std::make_shared<const TriangleMesh>(checked_solid(std::move(loaded), warnings));
+      CheckedMesh checked;
+      checked.mesh = std::make_shared<const TriangleMesh>(
+          checked_solid(std::move(loaded), warnings, all_meshes ? &checked.overlaps : nullptr));
       add_notes(notes, "mesh_solid", warnings, name);
       return checked;
     } catch (const DataError& e) {
@@ -147,8 +165,8 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
   if (!reader.meshes.empty() && reader.all_meshes)
     whole = std::make_shared<const LateSolid>([expression, meshes = std::move(reader.meshes)] {
       return parse_csg(
-          expression, [&](const std::string& name) { return solid_of_checked(*meshes.at(name), false); },
-          [&](const std::string& name) { return solid_of_checked(*meshes.at(name), true); });
+          expression, [&](const std::string& name) { return meshes.at(name).distance(name, false); },
+          [&](const std::string& name) { return meshes.at(name).distance(name, true); });
     });
   return SolidModel({expression, std::move(outline), whole, std::move(reader.files), std::move(reader.functions),
                      std::move(reader.notes)});

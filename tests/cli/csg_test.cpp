@@ -59,6 +59,20 @@ TEST_F(Csg, CutMeshesKeepTheirTriangles) {
        {{"csg", "ball.stl", "-o", "a.ply", "--mesher", "faces", "--cell", "0.1"}, 2, {"--cell"}}});
 }
 
+/// Two balls of one file that cross each other.
+TEST_F(Csg, PartsOfAMeshThatOverlapAreUnited) {
+  write_mesh(path("balls.ply"), joined(octasphere(4), octasphere(4), {0.5f, 0.1f, 0.03f}));
+  const Outcome united = run({"csg", "balls.ply", "-o", "a.ply", "--json"});
+  ASSERT_EQ(united.code, 0) << united.err;
+  const Json json = Json::parse(united.out);
+  EXPECT_EQ(json["output"]["components"], 1);
+  EXPECT_TRUE(json["output"]["closed"]);
+  const double d = std::sqrt(0.25 + 0.01 + 0.0009);  // two balls less their lens
+  EXPECT_NEAR(json["volume"].get<double>(), std::numbers::pi * (4.0 / 3 + d - d * d * d / 12), 0.05);
+  expect_failures({{{"csg", "balls.ply", "-o", "a.ply", "--mesher", "function"}, 1, {"lie inside of others"}},
+                   {{"csg", "offset(balls.ply, 0.1)", "-o", "a.ply"}, 1, {"lie inside of others"}}});
+}
+
 TEST_F(Csg, CutsOffAtABox) {
   const Outcome endless = run({"csg", "cylinder(1) - cylinder(0.8)", "-o", "pipe.ply"});
   EXPECT_EQ(endless.code, 2);

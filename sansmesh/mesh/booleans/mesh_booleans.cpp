@@ -104,7 +104,7 @@ BooleanResult combine_solids(std::span<const SolidFaces> solids, const BooleanEx
   const ExactSpace space(in.corners);
   const std::vector<Box3f> boxes = triangle_boxes(in);
   const FaceBoxTree tree(boxes);
-  in.resolved.assign(in.solids, 0);
+  for (const SolidFaces& s : solids) in.resolved.push_back(s.overlaps ? 1 : 0);
   while (true) {
     const Arrangement arrangement = arrange(in, space, tree, boxes);
     progress.begin("classify patches");
