@@ -105,8 +105,17 @@ struct SANSMESH_API MeshReport {
   static const ReportSchema& schema();  ///< one row per reported value
 };
 
+/// Algorithm that makes the mesh of a solid.
+enum class CsgMesher {
+  automatic,  ///< `faces` for solids with meshes, and of boxes and planes, whose parts all have faces; else `function`
+  faces,      ///< exact Boolean operations on triangles: faces that no others cut stay as they are
+  function    ///< a mesh of the zero set of the solid's function
+};
+
 /// Options of a mesh of a solid. Lengths are in the unit of its expression.
 struct SANSMESH_API CsgMeshOptions {
+  /// Options of blocks (`cell`, `resolution`, `simplify`) and `triangles` need `function`.
+  CsgMesher mesher = CsgMesher::automatic;
   /// Accepted mean distance between curved parts and their triangles (length). Default: a 50,000th of the box's
   /// diagonal. For solids that are not minima and maxima of smooth functions (deformed solids), the default follows
   /// from `simplify`.
@@ -137,17 +146,21 @@ struct SANSMESH_API CsgMeshOptions {
 
 /// Figures of a mesh of a solid.
 struct SANSMESH_API CsgMeshReport {
-  Box3 box;                    ///< contains the surface; tight to a thirty-second of the solid's bounds
-  double cell = 0;             ///< edge of the smallest blocks
-  int depth = 0;               ///< levels of the tree of blocks
-  std::size_t blocks = 0;      ///< leaf blocks
-  std::size_t components = 0;  ///< connected components of the mesh
-  bool closed = false;         ///< closed, manifold and oriented
-  double area = 0;             ///< area of the mesh, length²
-  double volume = 0;           ///< volume of the mesh, length³
-  double mean_error = 0;       ///< mean distance from triangle centroids to the surface, weighted by area (length)
-  double largest_error = 0;    ///< largest distance from a triangle centroid to the surface (length)
-  std::vector<Note> notes;     ///< requests that could not be met
+  CsgMesher mesher = CsgMesher::function;  ///< algorithm used; never `automatic`
+  std::string reason = "a function";       ///< why this one
+  Box3 box;                                ///< contains the surface; tight to a thirty-second of the solid's bounds
+  double cell = 0;                         ///< edge of the smallest blocks
+  int depth = 0;                           ///< levels of the tree of blocks
+  std::size_t blocks = 0;                  ///< leaf blocks
+  std::size_t components = 0;              ///< connected components of the mesh
+  bool closed = false;                     ///< closed, manifold and oriented
+  double area = 0;                         ///< area of the mesh, length²
+  double volume = 0;                       ///< volume of the mesh, length³
+  double mean_error = 0;          ///< mean distance from triangle centroids to the surface, weighted by area (length)
+  double largest_error = 0;       ///< largest distance from a triangle centroid to the surface (length)
+  std::size_t cut_faces = 0;      ///< with `faces`: faces of the parts that others cut or touch
+  std::size_t seam_vertices = 0;  ///< with `faces`: vertices where faces intersect
+  std::vector<Note> notes;        ///< requests that could not be met
 
   static const ReportSchema& schema();  ///< one row per reported value
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sansmesh/csg/face_builder.h"
 #include "sansmesh/csg/group_node.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
@@ -156,6 +157,10 @@ class CombineNode final : public SolidNode {
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
     return builder.combine(*a_, *b_, sign_, radius_, frame);
   }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
+    if (radius_ > 0) return builder.refuse("a rounded crease (r=)");
+    return builder.combine({a_, b_}, sign_, map);
+  }
 
   double support(const Vec3& n) const override {
     const double a = a_->support(n), b = b_->support(n);
@@ -296,6 +301,12 @@ class SidedNode final : public SolidNode {
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
     return child_->express(builder, offset_frame(frame, side_, distance_));
   }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
+    if (distance_ != 0) return builder.refuse("an offset");
+    const auto inner = child_->faces(builder, map);
+    if (!inner) return std::nullopt;
+    return builder.expression.combine(BooleanExpression::Kind::complement, {*inner});
+  }
   double support(const Vec3& n) const override {
     return moved(*child_, side_ > 0 ? child_->support(n) : child_->hollow_support(n), distance_);
   }
@@ -380,6 +391,9 @@ class ShellNode final : public SolidNode {
     if (!inner) return std::nullopt;
     using Kind = ExpressionBuilder::Node::Kind;
     return builder.combine(frame.sign > 0 ? Kind::greatest : Kind::least, *outer, *inner);
+  }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity&) const override {
+    return builder.refuse("a shell");
   }
   double support(const Vec3& n) const override {
     return std::min(moved(*child_, child_->support(n), middle_ + half_),

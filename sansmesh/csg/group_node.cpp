@@ -10,6 +10,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
+#include "sansmesh/csg/face_builder.h"
 #include "sansmesh/csg/solid_expression.h"
 
 namespace sansmesh::inline v1 {
@@ -291,6 +292,10 @@ double GroupNode::least(double sign, const Vec3& x, double radius) const {
 
 std::optional<std::uint32_t> GroupNode::express(ExpressionBuilder& builder, const ExpressionFrame& frame) const {
   return builder.combine(members_, sign_, frame);
+}
+
+std::optional<std::uint32_t> GroupNode::faces(FaceBuilder& builder, const Similarity& map) const {
+  return builder.combine(members_, sign_, map);
 }
 
 double GroupNode::support_of(const Vec3& n, double sign, bool largest) const {

@@ -28,6 +28,7 @@ class GroupNode final : public SolidNode {
               std::span<Surroundings> around, std::span<ValueRange> ranges) const override;
   double least(double sign, const Vec3& x, double radius) const override;
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override;
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override;
   double support(const Vec3& n) const override;
   double hollow_support(const Vec3& n) const override;
 

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
+#include "sansmesh/csg/face_builder.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
@@ -54,6 +56,9 @@ class PlacedNode final : public SolidNode {
     ExpressionFrame inner = frame;
     inner.map = frame.map * map_;
     return child_->express(builder, inner);
+  }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
+    return child_->faces(builder, map * map_);
   }
   double support(const Vec3& n) const override { return placed(n, child_->support(map_.rotate_back(n))); }
   double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.rotate_back(n))); }
@@ -142,6 +147,41 @@ class LeafNode final : public SolidNode {
   const PiecewiseField* piecewise_;
 };
 
+/// A mesh without a field.
+class FaceLeafNode final : public SolidNode {
+ public:
+  FaceLeafNode(std::shared_ptr<const TriangleMesh> mesh, bool overlaps)
+      : SolidNode(Traits{}), mesh_(std::move(mesh)), overlaps_(overlaps) {
+    for (const Vec3f& v : mesh_->vertices) box_.extend(mesh_->origin + Vec3(v));
+    keep_extents();
+  }
+  void evaluate(std::span<const Vec3>, std::span<double>, std::span<Vec3>, std::span<std::uint32_t>) const override {
+    no_values();
+  }
+  void evaluate_piece(std::uint32_t, std::span<const Vec3>, std::span<double>, std::span<Vec3>) const override {
+    no_values();
+  }
+  void survey(std::span<const Vec3>, const SurveyReach&, std::span<double>, std::span<Surroundings>,
+              std::span<ValueRange>) const override {
+    no_values();
+  }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
+    return builder.mesh(mesh_, overlaps_, map);
+  }
+  double support(const Vec3& n) const override {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += n[k] * (n[k] > 0 ? box_.upper[k] : box_.lower[k]);
+    return sum;
+  }
+  double hollow_support(const Vec3&) const override { return kUnbounded; }
+
+ private:
+  [[noreturn]] static void no_values() { throw std::logic_error("a face leaf has no values"); }
+  std::shared_ptr<const TriangleMesh> mesh_;
+  bool overlaps_;
+  Box3 box_;
+};
+
 Solid placed(const Solid& a, const Similarity& map) {
   if (!(map.scale > 0) || !std::isfinite(map.scale) || !is_finite(map.translation))
     throw ArgumentError("solids cannot be moved or scaled by lengths that are too large or small for numbers");
@@ -186,6 +226,11 @@ Solid distance_leaf(std::shared_ptr<const ScalarField> field) {
   if (bounds.empty() || !is_finite(bounds.lower) || !is_finite(bounds.upper))
     throw ArgumentError("leaf: a distance needs finite bounds");
   return Solid(std::make_shared<LeafNode>(std::move(field), std::shared_ptr<const FieldKnowledge>(), bounds));
+}
+
+Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh, bool overlaps) {
+  if (!mesh || mesh->triangles.empty()) throw ArgumentError("leaf: the mesh has no triangles");
+  return Solid(std::make_shared<FaceLeafNode>(std::move(mesh), overlaps));
 }
 
 Solid translate(const Solid& a, const Vec3& by) {

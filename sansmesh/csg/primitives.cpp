@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "sansmesh/csg/face_builder.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
@@ -105,6 +106,9 @@ class PrimitiveNode final : public SolidNode {
     const double level = -frame.shift / (frame.sign * frame.map.scale);
     return builder.pieces(*this, shape_.largest_of(level), frame);
   }
+  std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const override {
+    return shape_.faces(builder, map);
+  }
   double curvature_bound(std::uint32_t piece, const Vec3& x, double radius, double level) const override {
     return shape_.curvature_bound(piece, x, radius, level);
   }
@@ -151,6 +155,9 @@ struct Ball : SmoothShape {
   }
   double support(const Vec3& n) const { return dot(n, center) + radius; }
   double thickness() const { return 2 * radius; }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.ball(center, radius, map);
+  }
 };
 
 struct HalfSpace : SmoothShape {
@@ -165,11 +172,15 @@ struct HalfSpace : SmoothShape {
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
   double thickness() const { return kUnbounded; }
   double magnitude() const { return std::abs(offset); }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.half_space(normal, offset, map);
+  }
 };
 
 /// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: the rounded part.
 struct Block : SmoothShape {
   Vec3 center, half;  ///< half the size, minus the rounding
+  Vec3 lower, upper;  ///< corners as given
   double rounding = 0;
 
   std::uint32_t pieces() const { return rounding > 0 ? 7 : 6; }
@@ -226,6 +237,10 @@ struct Block : SmoothShape {
     return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
   }
   double thickness() const { return 2 * (std::min({half.x, half.y, half.z}) + rounding); }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    if (rounding > 0) return b.refuse("a rounded box");
+    return b.box(lower, upper, map);
+  }
 };
 
 struct Pipe : SmoothShape {
@@ -244,6 +259,9 @@ struct Pipe : SmoothShape {
   double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
   double thickness() const { return 2 * radius; }
   double magnitude() const { return norm(center); }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.cylinder(center, axis, radius, map);
+  }
 };
 
 /// Pieces: the side, the bottom, the top.
@@ -296,6 +314,9 @@ struct Frustum : SmoothShape {
   }
   /// Thickness at half the height, because no cells resolve a tip.
   double thickness() const { return std::min(2 * half_height, bottom + top); }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.frustum(center, axis, bottom, top, half_height, map);
+  }
 };
 
 struct Ring : SmoothShape {
@@ -318,6 +339,9 @@ struct Ring : SmoothShape {
   double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }
   double thickness() const { return 2 * tube; }
   double hollow_thickness() const { return 2 * (ring - tube); }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.ring(center, axis, ring, tube, map);
+  }
 };
 
 struct Rod : SmoothShape {
@@ -337,6 +361,9 @@ struct Rod : SmoothShape {
   }
   double support(const Vec3& n) const { return dot(n, from) + std::max(0.0, dot(n, along)) + radius; }
   double thickness() const { return 2 * radius; }
+  std::optional<std::uint32_t> faces(FaceBuilder& b, const Similarity& map) const {
+    return b.rod(from, from + along, radius, map);
+  }
 };
 
 }  // namespace
@@ -368,6 +395,7 @@ Solid box(const Vec3& lower, const Vec3& upper, double rounding) {
   s.center = lower * 0.5 + upper * 0.5;
   s.half = half - Vec3{rounding, rounding, rounding};
   s.rounding = rounding;
+  s.lower = lower, s.upper = upper;
   return solid_of(s);
 }
 

@@ -7,6 +7,7 @@
 
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/local_frame.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
@@ -95,6 +96,10 @@ Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const Field
 /// A field that is the signed distance to a solid within its finite bounds(), also outside of them: it is not cut off
 /// there.
 Solid distance_leaf(std::shared_ptr<const ScalarField> field);
+
+/// A closed mesh as faces alone (face_builder.h): its bounds are known, its values are not. For solids that may never
+/// be evaluated; evaluation throws std::logic_error. `overlaps`: its parts may overlap each other.
+Solid face_leaf(std::shared_ptr<const TriangleMesh> mesh, bool overlaps = false);
 
 // ---- Combinations ------------------------------------------------------------------------------------------------
 //

@@ -76,6 +76,8 @@ std::optional<std::uint32_t> SolidNode::express(ExpressionBuilder&, const Expres
   return std::nullopt;
 }
 
+std::optional<std::uint32_t> SolidNode::faces(FaceBuilder&, const Similarity&) const { return std::nullopt; }
+
 double SolidNode::curvature_bound(std::uint32_t, const Vec3&, double, double) const { return kUnbounded; }
 
 double SolidNode::far_value(double sign, const Vec3& x, double radius) const {

@@ -16,6 +16,8 @@ namespace sansmesh::inline v1 {
 class Solid;
 class ExpressionBuilder;
 struct ExpressionFrame;
+class FaceBuilder;
+struct Similarity;
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
@@ -71,6 +73,9 @@ class SolidNode {
 
   /// As minima and maxima of smooth functions (solid_expression.h): the index of its node there, or nothing.
   virtual std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const;
+  /// As a Boolean expression of solids with faces (face_builder.h), moved by `map`: the index of its node there, or
+  /// nothing if a part has no faces.
+  virtual std::optional<std::uint32_t> faces(FaceBuilder& builder, const Similarity& map) const;
   /// See PieceExpression::curvature_bound, for a piece or for the whole node (kWholeNode), where its value is at least
   /// `level`.
   virtual double curvature_bound(std::uint32_t piece, const Vec3& x, double radius, double level) const;

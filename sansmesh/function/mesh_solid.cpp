@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
@@ -13,6 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_patches.h"
+#include "sansmesh/mesh/face_box_tree.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/repair/self_intersections.h"
 
@@ -22,43 +23,68 @@ namespace {
 constexpr double kCreaseDegrees = 20;
 /// A mesh with larger shares of open edges, or of edges with three faces, is no solid.
 constexpr double kOpenEdges = 0.01, kTangledEdges = 0.002;
-/// Limit of point-triangle pairs in the check for inside faces.
-constexpr std::size_t kInsideChecks = 8'000'000, kMostChecked = 200;
+/// Faces beside which the check for inside faces looks.
+constexpr std::size_t kMostChecked = 200;
 /// Largest share of the checked points that may be inside.
 constexpr double kMostInside = 0.02;
 /// Least depth of an intersection of faces, as a share of the diagonal.
 constexpr double kCrossingFaces = 1e-7;
 
-/// Solid angle of a triangle seen from the origin (van Oosterom and Strackee 1983).
-double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double la = norm(a), lb = norm(b), lc = norm(c);
-  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
-
 const char* const kRemedy = "a reconstruction makes a closed mesh of it, a fit a function";
 
-/// Share of faces, estimated at some of them, beside which the winding number is not that of the surface of a solid.
-double share_inside(const TriangleMesh& mesh) {
-  const std::size_t n = mesh.triangles.size();
-  const std::size_t tests = std::clamp<std::size_t>(kInsideChecks / std::max<std::size_t>(n, 1) / 2, 8, kMostChecked);
+/// Winding number of the faces about a point beside them, counted along x.
+int winding_number(const TriangleMesh& mesh, const FaceBoxTree& tree, const Vec3& from) {
+  Box3f ray;
+  ray.extend(Vec3f(from));
+  ray.upper.x = std::numeric_limits<float>::infinity();
+  int winding = 0;
+  tree.visit(ray, [&](std::uint32_t f) {
+    const auto& t = mesh.triangles[f];
+    const Vec3 a = Vec3(mesh.vertices[t[0]]) - from, b = Vec3(mesh.vertices[t[1]]) - from,
+               c = Vec3(mesh.vertices[t[2]]) - from;
+    const auto side = [](const Vec3& p, const Vec3& q) { return p.y * q.z - p.z * q.y >= 0; };
+    const bool first = side(a, b);
+    if (side(b, c) != first || side(c, a) != first) return true;
+    if ((dot(a, cross(b - a, c - a)) > 0) == first) winding += first ? 1 : -1;
+    return true;
+  });
+  return winding;
+}
+
+/// Shares of faces, estimated at some of them.
+struct InsideShares {
+  double overlapping = 0;  ///< faces of the right orientation inside of others
+  double wrong = 0;        ///< other faces beside which the winding number is not that of the surface of a solid
+};
+
+InsideShares inside_shares(const TriangleMesh& mesh) {
+  const std::size_t n = mesh.triangles.size(), tests = std::min(n, kMostChecked);
   const double step = 1e-4 * static_cast<double>(bounds(mesh).diagonal());
-  std::vector<std::uint8_t> wrong(tests, 0);
+  std::vector<Box3f> boxes(n);
+  parallel_for(0, n, 8192, [&](std::size_t t) {
+    for (const std::uint32_t v : mesh.triangles[t]) boxes[t].extend(mesh.vertices[v]);
+  });
+  const FaceBoxTree tree(boxes);
+  enum Side : std::uint8_t { kRight, kOverlapping, kWrong };
+  std::vector<std::uint8_t> side(tests, kRight);
   parallel_for(0, tests, 1, [&](std::size_t i) {
     const Triangle& t = mesh.triangles[i * n / tests];
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    const Vec3 normal = normalized(cross(b - a, c - a));
+    const Vec3 normal = normalized(cross(b - a, c - a)), middle = (a + b + c) / 3;
     if (normal == Vec3{}) return;
-    for (const double side : {-1.0, 1.0}) {
-      const Vec3 from = (a + b + c) / 3 + normal * (side * step);
-      double sum = 0;
-      for (const Triangle& f : mesh.triangles)
-        sum += solid_angle(Vec3(mesh.vertices[f[0]]) - from, Vec3(mesh.vertices[f[1]]) - from,
-                           Vec3(mesh.vertices[f[2]]) - from);
-      const double winding = sum / (4 * std::numbers::pi);
-      if (std::abs(winding - (side < 0 ? 1 : 0)) > 0.5) wrong[i] = 1;
-    }
+    const int above = winding_number(mesh, tree, middle + normal * step),
+              below = winding_number(mesh, tree, middle - normal * step);
+    if (above != 0 || below != 1) side[i] = above > 0 && below > above ? kOverlapping : kWrong;
   });
-  return static_cast<double>(std::count(wrong.begin(), wrong.end(), 1)) / static_cast<double>(tests);
+  const auto share = [&](Side s) {
+    return static_cast<double>(std::count(side.begin(), side.end(), s)) / static_cast<double>(tests);
+  };
+  return {share(kOverlapping), share(kWrong)};
+}
+
+[[noreturn]] void refuse_inside(double share) {
+  throw DataError(
+      fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}", 100 * share, kRemedy));
 }
 
 /// Where faces cross each other the inside is ambiguous.
@@ -112,7 +138,7 @@ std::size_t close_holes(TriangleMesh& mesh) {
 
 }  // namespace
 
-Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& warnings) {
+TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warnings, bool* overlaps) {
   TriangleMesh mesh;  // other vertex data is not needed
   mesh.origin = given.origin;
   mesh.vertices = std::move(given.vertices);
@@ -134,11 +160,26 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
     reverse_orientation(mesh);
     warnings.push_back("its faces point inward: reversed");
   }
-  if (const double inside = share_inside(mesh); inside > kMostInside)
-    throw DataError(fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}",
-                                100 * inside, kRemedy));
-  warn_of_crossings(mesh, warnings);
+  const InsideShares sides = inside_shares(mesh);
+  const double inside = sides.overlapping + sides.wrong;
+  const bool unites = overlaps != nullptr && sides.wrong <= kMostInside && sides.overlapping > kMostInside;
+  if (inside > kMostInside && !unites) refuse_inside(inside);
+  if (overlaps != nullptr) *overlaps = unites;
+  if (!unites) warn_of_crossings(mesh, warnings);
+  return mesh;
+}
+
+void require_no_overlaps(const TriangleMesh& mesh) {
+  const InsideShares sides = inside_shares(mesh);
+  if (sides.overlapping + sides.wrong > kMostInside) refuse_inside(sides.overlapping + sides.wrong);
+}
+
+Solid solid_of_checked(TriangleMesh mesh, bool rounded) {
   return csg::distance_leaf(std::make_shared<const MeshField>(std::move(mesh), MeshField::Options{.rounded = rounded}));
+}
+
+Solid mesh_solid(TriangleMesh mesh, bool rounded, std::vector<std::string>& warnings) {
+  return solid_of_checked(checked_solid(std::move(mesh), warnings), rounded);
 }
 
 }  // namespace sansmesh::inline v1

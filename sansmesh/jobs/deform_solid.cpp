@@ -86,7 +86,7 @@ class SolidPoses {
         options_(options),
         progress_(progress),
         function_(solid.parts().whole_function()),
-        field_(std::make_shared<const Solid>(solid.parts().solid)) {
+        field_(std::make_shared<const Solid>(solid.parts().solid())) {
     // Sections use the function itself, which ends with its samples.
     if (function_ && aim == DeformAim::sections) field_ = function_->field();
     before_ = field_->bounds();

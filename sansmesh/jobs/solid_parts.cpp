@@ -22,6 +22,21 @@ namespace {
 /// Share of the area that bounds no solid above which a function is reported.
 constexpr double kOpenShare = 0.01;
 
+/// A closed and oriented mesh.
+struct CheckedMesh {
+  std::shared_ptr<const TriangleMesh> mesh;
+  bool overlaps = false;  ///< its parts overlap: it has no distance
+
+  Solid distance(const std::string& name, bool rounded) const {
+    try {
+      if (overlaps) require_no_overlaps(*mesh);
+    } catch (const DataError& e) {
+      throw FileError(name, e.what());
+    }
+    return solid_of_checked(*mesh, rounded);
+  }
+};
+
 /// Reads the files of an expression, each once.
 class SolidReader {
  public:
@@ -30,6 +45,8 @@ class SolidReader {
   std::vector<std::string> files;
   std::map<std::string, SurfaceFunction> functions;
   std::vector<Note> notes;
+  std::map<std::string, CheckedMesh> meshes;
+  bool all_meshes = false;  ///< no functions or volumes: meshes are read as faces
 
   Solid solid(const std::string& name) {
     if (const auto named = parse_isosurface_name(name)) {
@@ -62,17 +79,24 @@ class SolidReader {
     return known->second.shared();
   }
 
-  /// Exact distance to the faces; `rounded`: offsets have rounded edges.
+  /// With `all_meshes` the faces alone.
   Solid mesh(const std::string& name, bool rounded) {
-    auto known = meshes_.find(name);
-    const bool first = known == meshes_.end();
-    if (first) known = meshes_.emplace(name, load_mesh(name)).first;
+    auto known = meshes.find(name);
+    if (known == meshes.end()) known = meshes.emplace(name, load_solid(name)).first;
     add_file(name);
+    const CheckedMesh& checked = known->second;
+    return all_meshes ? csg::face_leaf(checked.mesh, checked.overlaps) : checked.distance(name, rounded);
+  }
+
+  CheckedMesh load_solid(const std::string& name) {
+    TriangleMesh loaded = load_mesh(name);
     std::vector<std::string> warnings;
     try {
-      Solid solid = mesh_solid(known->second, rounded, warnings);
-      if (first) add_notes(notes, "mesh_solid", warnings, name);
-      return solid;
+      CheckedMesh checked;
+      checked.mesh = std::make_shared<const TriangleMesh>(
+          checked_solid(std::move(loaded), warnings, all_meshes ? &checked.overlaps : nullptr));
+      add_notes(notes, "mesh_solid", warnings, name);
+      return checked;
     } catch (const DataError& e) {
       throw FileError(name, e.what());
     }
@@ -88,7 +112,6 @@ class SolidReader {
   }
 
   Progress& progress_;
-  std::map<std::string, TriangleMesh> meshes_;
 };
 
 }  // namespace
@@ -99,7 +122,7 @@ const std::string& SolidModel::expression() const { return parts_->expression; }
 
 const std::vector<std::string>& SolidModel::files() const { return parts_->files; }
 
-Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
+Box3 SolidModel::bounds() const { return parts_->outline.bounds(); }
 
 const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
 
@@ -128,11 +151,25 @@ bool is_open(const SurfaceFunction& function) {
 SolidModel read_solid(const std::string& expression, Progress& progress) {
   progress.begin("read");
   SolidReader reader(progress);
-  Solid solid = parse_csg(
+  reader.all_meshes = true;
+  parse_csg(expression,
+            [&](const std::string& name) {
+              if (is_function_file(name) || parse_isosurface_name(name)) reader.all_meshes = false;
+              return csg::sphere({}, 1);
+            },
+            {});
+  Solid outline = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });
-  return SolidModel(
-      {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
+  std::shared_ptr<const LateSolid> whole;
+  if (!reader.meshes.empty() && reader.all_meshes)
+    whole = std::make_shared<const LateSolid>([expression, meshes = std::move(reader.meshes)] {
+      return parse_csg(
+          expression, [&](const std::string& name) { return meshes.at(name).distance(name, false); },
+          [&](const std::string& name) { return meshes.at(name).distance(name, true); });
+    });
+  return SolidModel({expression, std::move(outline), whole, std::move(reader.files), std::move(reader.functions),
+                     std::move(reader.notes)});
 }
 
 const ReportSchema& SolidModel::schema() {

@@ -47,8 +47,6 @@ constexpr double kRounding = 1.0001;
 /// triangles reach.
 constexpr int kRootSteps = 3;
 
-/// Default mesh error over the box's diagonal.
-constexpr double kCsgMeshError = 2e-5;
 /// Quadric error, over the mean error of the resulting triangles.
 constexpr double kQuadricShare = 1.5;
 /// Surfaces that coincide within this fraction of the diagonal are identical: far above the rounding of values, below
@@ -65,42 +63,6 @@ constexpr double kMostRoundedAway = 0.01;
 constexpr double kResolvedShare = 1e-11;
 
 double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
-
-/// The box to search, or an error that explains why there is none.
-Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
-  Box3 box = solid.bounds();
-  if (options.box)
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.lower[k] = std::max(box.lower[k], options.box->lower[k]);
-      box.upper[k] = std::min(box.upper[k], options.box->upper[k]);
-    }
-  if (box.empty()) throw DataError(options.box ? "the solid has no point inside the box" : "the solid is empty");
-  std::string endless;
-  for (std::size_t k = 0; k < 3; ++k)
-    for (const bool upper : {false, true})
-      if (!std::isfinite((upper ? box.upper : box.lower)[k]))
-        endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
-  if (!endless.empty())
-    throw ArgumentError(fmt::format(
-        "the solid may be unbounded in the directions {}: intersect it with a box, or clip it with `box`", endless));
-  for (std::size_t k = 0; k < 3; ++k)
-    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestCoordinate)
-      throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
-                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
-  const Vec3 size = box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  const char* const what = options.box ? "the part of the solid inside the box" : "the solid";
-  if (longest < kSmallestExtent)
-    throw DataError(
-        fmt::format("{} is {:.3g} across: too small for a mesh; the least is {:.0g}", what, longest, kSmallestExtent));
-  const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
-  if (longest < kResolvedShare * away)
-    throw DataError(
-        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far away to be resolved; move it "
-                    "closer",
-                    what, longest, away));
-  return box;
-}
 
 /// Region of the surface, found on a coarse grid.
 struct Reached {
@@ -194,9 +156,6 @@ Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cel
   return {crease_blocks(field, box, sizes, progress), sizes.cell};
 }
 
-/// Clips a solid by intersection, so that the cut faces have crease edges.
-Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
-
 Note too_thin_for(double cell, double thickness) {
   return {.code = "too_thin",
           .text = fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell)};
@@ -235,15 +194,6 @@ std::string too_thin_for_default(const Box3& box, double cell, double thickness)
       "some parts are {:.3g} across, and would be missing or broken at cells of {:.3g}: give {}`cell = {:.2g}`, if "
       "they are hidden or may be left out",
       thickness, cell, may_be_had ? fmt::format("`cell = {:.2g}`, or ", finer) : "", cell);
-}
-
-/// Postprocessing of the extracted mesh.
-void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r) {
-  MeshReport chosen;
-  detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,
-                            chosen);
-  r.notes.insert(r.notes.begin(), chosen.notes.begin(), chosen.notes.end());
-  measure(mesh, r);
 }
 
 TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, double thickness,
@@ -290,7 +240,7 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
         fmt::format("some walls are thinner than the coordinates of meshes (floats) can hold in a box of "
                     "{:.3g}: rounding would change the volume by {:.2g} %",
                     longest, 100 * found.rounded_away));
-  finish(mesh, options, r);
+  finish_csg(mesh, options, r);
   return mesh;
 }
 
@@ -329,16 +279,69 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell) +
                     (too_thin ? fmt::format(": parts are {:.3g} across; a smaller `cell` shows them", thickness) : ""));
   if (too_thin) r.notes.push_back(too_thin_for(cell, thickness));
-  finish(mesh, options, r);
+  finish_csg(mesh, options, r);
   warn_of_specks(mesh, r);
   return mesh;
 }
 
 }  // namespace
 
+Box3 box_of_solid(const PiecewiseField& solid, const CsgMeshOptions& options) {
+  Box3 box = solid.bounds();
+  if (options.box)
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.lower[k] = std::max(box.lower[k], options.box->lower[k]);
+      box.upper[k] = std::min(box.upper[k], options.box->upper[k]);
+    }
+  if (box.empty()) throw DataError(options.box ? "the solid has no point inside the box" : "the solid is empty");
+  std::string endless;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const bool upper : {false, true})
+      if (!std::isfinite((upper ? box.upper : box.lower)[k]))
+        endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
+  if (!endless.empty())
+    throw ArgumentError(fmt::format(
+        "the solid may be unbounded in the directions {}: intersect it with a box, or clip it with `box`", endless));
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestCoordinate)
+      throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
+                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  const char* const what = options.box ? "the part of the solid inside the box" : "the solid";
+  if (longest < kSmallestExtent)
+    throw DataError(
+        fmt::format("{} is {:.3g} across: too small for a mesh; the least is {:.0g}", what, longest, kSmallestExtent));
+  const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
+  if (longest < kResolvedShare * away)
+    throw DataError(
+        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far away to be resolved; move it "
+                    "closer",
+                    what, longest, away));
+  return box;
+}
+
+Solid solid_in_box(const Solid& solid, const Box3& box) {
+  return csg::intersect(solid, csg::box(box.lower, box.upper));
+}
+
+void finish_csg(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& report) {
+  MeshReport chosen;
+  detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,
+                            chosen);
+  report.notes.insert(report.notes.begin(), chosen.notes.begin(), chosen.notes.end());
+  measure(mesh, report);
+}
+
 const OptionSchema& CsgMeshOptions::schema() {
   using O = CsgMeshOptions;
+  static constexpr std::string_view meshers[] = {"auto", "faces", "function"};
   static constexpr OptionRow rows[] = {
+      option<&O::mesher>({.text =
+                              "faces: exact operations on triangles, which stay where nothing cuts them; function: a "
+                              "mesh of the solid's function; auto: faces for meshes, boxes and planes, if all "
+                              "parts have faces",
+                          .choices = meshers}),
       option<&O::mesh_error>({.text = "Accepted mean distance between mesh and surface",
                               .unit = "length",
                               .from_data = "a 50,000th of the box's diagonal; with functions less",
@@ -367,6 +370,8 @@ const OptionSchema& CsgMeshOptions::schema() {
 
 void CsgMeshOptions::validate() const {
   validate_options(*this);
+  if (mesher == CsgMesher::faces && (triangles || cell || resolution || simplify))
+    throw ArgumentError("`triangles`, `cell`, `resolution` and `simplify` need `mesher = function`");
   if (triangles && simplify && *simplify == 0) throw ArgumentError("`triangles` needs simplification: `simplify` is 0");
   if (!box) return;
   for (std::size_t k = 0; k < 3; ++k)
@@ -379,17 +384,17 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
                       CsgMeshReport* report) {
   const CancelScope listening(progress);
   options.validate();
-  const Box3 whole_box = box_of(solid, options);
+  const Box3 whole_box = box_of_solid(solid, options);
   if (!options.box) return mesh_of(solid, whole_box, options, progress, report);
   const std::shared_ptr<const ScalarField> borrowed(std::shared_ptr<const void>(), &solid);
-  return mesh_of(cut_off(csg::leaf(borrowed), *options.box), whole_box, options, progress, report);
+  return mesh_of(solid_in_box(csg::leaf(borrowed), *options.box), whole_box, options, progress, report);
 }
 
 TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress, CsgMeshReport* report) {
   const CancelScope listening(progress);
   options.validate();
-  const Box3 whole_box = box_of(solid, options);
-  return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);
+  const Box3 whole_box = box_of_solid(solid, options);
+  return mesh_of(options.box ? solid_in_box(solid, *options.box) : solid, whole_box, options, progress, report);
 }
 
 namespace {
@@ -399,6 +404,11 @@ constexpr ReportRow kCsgMeshReportRows[] = {
         {.name = "box.lower", .text = "Lower corner of the bounding box of the surface", .unit = "length"}),
     reported<[](const CsgMeshReport& r) { return r.box.upper; }>(
         {.name = "box.upper", .text = "Upper corner of that box", .unit = "length"}),
+    reported<[](const CsgMeshReport& r) { return r.mesher == CsgMesher::faces ? "faces" : "function"; }>(
+        {.name = "mesher", .text = "Algorithm: faces or function"}),
+    reported<&CsgMeshReport::reason>({.text = "Why this algorithm was used"}),
+    reported<&CsgMeshReport::cut_faces>({.text = "With faces: faces of the parts that others cut or touch"}),
+    reported<&CsgMeshReport::seam_vertices>({.text = "With faces: vertices where faces intersect"}),
     reported<&CsgMeshReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
     reported<&CsgMeshReport::depth>({.text = "Levels of the tree of blocks"}),
     reported<&CsgMeshReport::blocks>({.text = "Blocks"}),

@@ -24,6 +24,15 @@ namespace sansmesh::inline v1 {
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 
+/// The box of the solid and of the options, or an ArgumentError or DataError that explains why there is none.
+Box3 box_of_solid(const PiecewiseField& solid, const CsgMeshOptions& options);
+/// The intersection of a solid and a box, so that cut faces have crease edges.
+Solid solid_in_box(const Solid& solid, const Box3& box);
+/// Keeps the chosen components and measures the mesh.
+void finish_csg(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& report);
+/// Default mesh error over the box's diagonal.
+constexpr double kCsgMeshError = 2e-5;
+
 TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 

@@ -9,6 +9,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
 namespace sansmesh::test {
@@ -33,6 +34,43 @@ TEST_F(Csg, MeshesPrimitives) {
   EXPECT_TRUE(topology.closed());
   EXPECT_EQ(topology.genus(), 1);
   EXPECT_EQ(slurp(path("part.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(Csg, CutMeshesKeepTheirTriangles) {
+  const TriangleMesh ball = octasphere(4);
+  write_mesh(path("ball.stl"), ball);
+  const auto json_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"csg", "ball.stl - cylinder(r=0.2)", "-o", "drilled.ply", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const Json by_faces = json_of({});
+  EXPECT_EQ(by_faces["mesher"], "faces");
+  EXPECT_EQ(by_faces["reason"], "all parts have faces");
+  EXPECT_LT(by_faces["output"]["triangles"].get<std::size_t>(), ball.triangles.size() * 5 / 4);
+  EXPECT_EQ(measure_topology(read_mesh(path("drilled.ply"))).genus(), 1);
+  const Json by_function = json_of({"--mesher", "function"});
+  EXPECT_EQ(by_function["mesher"], "function");
+  EXPECT_NEAR(by_function["volume"].get<double>(), by_faces["volume"].get<double>(), 1e-4);
+  expect_failures(
+      {{{"csg", "offset(ball.stl, 0.1)", "-o", "a.ply", "--mesher", "faces"}, 2, {"an offset has no faces"}},
+       {{"csg", "ball.stl", "-o", "a.ply", "--mesher", "faces", "--cell", "0.1"}, 2, {"--cell"}}});
+}
+
+/// Two balls of one file that cross each other.
+TEST_F(Csg, PartsOfAMeshThatOverlapAreUnited) {
+  write_mesh(path("balls.ply"), joined(octasphere(4), octasphere(4), {0.5f, 0.1f, 0.03f}));
+  const Outcome united = run({"csg", "balls.ply", "-o", "a.ply", "--json"});
+  ASSERT_EQ(united.code, 0) << united.err;
+  const Json json = Json::parse(united.out);
+  EXPECT_EQ(json["output"]["components"], 1);
+  EXPECT_TRUE(json["output"]["closed"]);
+  const double d = std::sqrt(0.25 + 0.01 + 0.0009);  // two balls less their lens
+  EXPECT_NEAR(json["volume"].get<double>(), std::numbers::pi * (4.0 / 3 + d - d * d * d / 12), 0.05);
+  expect_failures({{{"csg", "balls.ply", "-o", "a.ply", "--mesher", "function"}, 1, {"lie inside of others"}},
+                   {{"csg", "offset(balls.ply, 0.1)", "-o", "a.ply"}, 1, {"lie inside of others"}}});
 }
 
 TEST_F(Csg, CutsOffAtABox) {

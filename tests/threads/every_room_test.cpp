@@ -43,6 +43,7 @@
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/meshing/face_csg.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/points/denoise_normals.h"
@@ -218,6 +219,10 @@ TEST(EveryRoom, SolidsAreMeshed) {
     found << mesh_csg(csg::subtract(csg::unite(ball, bar), csg::box({0.8, -1, 0.1}, {2, 1, 1})), {.resolution = 48},
                       progress, &report)
           << report.volume;
+    CsgMeshReport by_faces;
+    const auto faces = mesh_of_faces(csg::subtract(csg::unite(ball, bar), csg::box({0.8, -1, 0.1}, {2, 1, 1})), {},
+                                     progress, by_faces);
+    found << faces.value();
     return found << mesh_csg(csg::subtract(function_solid(function), ball), {.resolution = 48}, progress);
   });
 }

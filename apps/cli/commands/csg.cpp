@@ -39,7 +39,8 @@ void run_csg(const CsgArguments& a, Console& console) {
 }  // namespace
 
 Command add_csg(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
+  CommandLine& c =
+      app.add_subcommand("csg", "Functions, meshes and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
   c.add_option("expression", a->expression, "Expression in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
@@ -55,7 +56,8 @@ Command add_csg(CommandLine& app) {
       "Functions: union(a, b, …, r=) intersection difference: r rounds the crease; offset(a, d);\n"
       "  shell(a, t, side=both|inside|outside); translate(a, x, y, z); rotate(a, angle=, axis=, center=);\n"
       "  scale(a, factor, center=); mirror(a, normal=, offset=)\n"
-      "Vectors are (x, y, z), axes also x, y, z, -x, …; angles are in degrees.\n\n"
+      "Vectors are (x, y, z), axes also x, y, z, -x, …; angles are in degrees.\n"
+      "Combined meshes keep the triangles that nothing cuts.\n\n"
       "Examples:\n"
       "  sansmesh csg 'scan.smf - cylinder(axis=z, r=0.1)' -o drilled.ply\n"
       "  sansmesh csg 'part.stl - cylinder(r=2)' -o drilled.stl\n"
