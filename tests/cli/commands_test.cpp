@@ -302,7 +302,7 @@ TEST_F(Commands, FacesOfASoupAreSampled) {
         "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
   const Outcome outcome = run({"reconstruct", "cube.off", "-o", "out.ply"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("faces were sampled"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("faces are sampled"), std::string::npos) << outcome.err;
   const Json json = Json::parse(run({"assess", "out.ply", "cube.off", "--json"}).out);
   EXPECT_TRUE(json["topology"]["closed"]);
   EXPECT_EQ(json["topology"]["genus"], 0);
