@@ -31,9 +31,7 @@ std::nullopt_t FaceBuilder::refuse(const char* what) {
   return std::nullopt;
 }
 
-std::uint32_t FaceBuilder::push(SolidFaces faces, std::shared_ptr<const TriangleMesh> mesh, const Similarity& map,
-                                double count) {
-  triangles += count;
+std::uint32_t FaceBuilder::push(SolidFaces faces, std::shared_ptr<const TriangleMesh> mesh, const Similarity& map) {
   if (dot(cross(map.columns[0], map.columns[1]), map.columns[2]) < 0)
     for (Triangle& t : faces.triangles) std::swap(t[1], t[2]);
   if (build_) {  // equal parts are one
@@ -51,13 +49,20 @@ std::uint32_t FaceBuilder::push(SolidFaces faces, std::shared_ptr<const Triangle
 }
 
 template <class Make>
-std::uint32_t FaceBuilder::add(const Similarity& map, double count, const Make& make) {
+std::uint32_t FaceBuilder::add(const Similarity& map, const Make& make) {
   SolidFaces faces;
   if (build_) {
     faces = make();
     for (Vec3& v : faces.vertices) v = map(v) - origin_;
   }
-  return push(std::move(faces), nullptr, map, count);
+  return push(std::move(faces), nullptr, map);
+}
+
+template <class Make>
+std::uint32_t FaceBuilder::add_curved(const Similarity& map, std::size_t sides, double count, const Make& make) {
+  curved = true;
+  curved_faces += sides < kMostSides ? count : 2 * kMostCurvedFaces;
+  return add(map, [&] { return curved_faces > kMostCurvedFaces ? SolidFaces{} : make(); });
 }
 
 std::uint32_t FaceBuilder::mesh(std::shared_ptr<const TriangleMesh> mesh, bool overlaps, const Similarity& map) {
@@ -72,18 +77,16 @@ std::uint32_t FaceBuilder::mesh(std::shared_ptr<const TriangleMesh> mesh, bool o
     for (const Vec3f& v : mesh->vertices)
       faces.vertices.push_back(moved ? map(mesh->origin + Vec3(v)) - origin_ : Vec3(v) + shift);
   }
-  const auto count = static_cast<double>(mesh->triangles.size());
-  return push(std::move(faces), std::move(mesh), map, count);
+  return push(std::move(faces), std::move(mesh), map);
 }
 
 std::uint32_t FaceBuilder::ball(const Vec3& center, double radius, const Similarity& map) {
-  curved = true;
   const std::size_t n = edges_of_quarter(radius, error(map));
-  return add(map, 8.0 * static_cast<double>(n * n), [&] { return ball_faces(center, radius, n); });
+  return add_curved(map, n, 8.0 * static_cast<double>(n * n), [&] { return ball_faces(center, radius, n); });
 }
 
 std::uint32_t FaceBuilder::box(const Vec3& lower, const Vec3& upper, const Similarity& map) {
-  return add(map, 12, [&] { return box_faces(lower, upper); });
+  return add(map, [&] { return box_faces(lower, upper); });
 }
 
 /// The ball around the region, in the coordinates of the primitive.
@@ -95,7 +98,7 @@ void FaceBuilder::reach(const Similarity& map, Vec3& center, double& radius) con
 
 std::uint32_t FaceBuilder::half_space(const Vec3& normal, double offset, const Similarity& map) {
   unbounded = true;
-  return add(map, 12, [&] {
+  return add(map, [&] {
     Vec3 center;
     double radius = 0;
     reach(map, center, radius);
@@ -104,9 +107,9 @@ std::uint32_t FaceBuilder::half_space(const Vec3& normal, double offset, const S
 }
 
 std::uint32_t FaceBuilder::cylinder(const Vec3& center, const Vec3& axis, double radius, const Similarity& map) {
-  unbounded = curved = true;
+  unbounded = true;
   const std::size_t n = sides_of_circle(radius, error(map));
-  return add(map, 4.0 * static_cast<double>(n), [&] {
+  return add_curved(map, n, 4.0 * static_cast<double>(n), [&] {
     Vec3 middle;
     double far = 0;
     reach(map, middle, far);
@@ -116,23 +119,21 @@ std::uint32_t FaceBuilder::cylinder(const Vec3& center, const Vec3& axis, double
 
 std::uint32_t FaceBuilder::frustum(const Vec3& center, const Vec3& axis, double bottom, double top, double half_height,
                                    const Similarity& map) {
-  curved = true;
   const std::size_t n = sides_of_circle(std::max(bottom, top), error(map));
-  return add(map, 4.0 * static_cast<double>(n),
-             [&] { return frustum_faces(center, axis, bottom, top, half_height, n); });
+  return add_curved(map, n, 4.0 * static_cast<double>(n),
+                    [&] { return frustum_faces(center, axis, bottom, top, half_height, n); });
 }
 
 std::uint32_t FaceBuilder::ring(const Vec3& center, const Vec3& axis, double ring, double tube, const Similarity& map) {
-  curved = true;
   const std::size_t m = sides_of_circle(ring + tube, kTwoWays * error(map)),
                     n = sides_of_circle(tube, kTwoWays * error(map));
-  return add(map, 2.0 * static_cast<double>(m * n), [&] { return ring_faces(center, axis, ring, tube, m, n); });
+  return add_curved(map, std::max(m, n), 2.0 * static_cast<double>(m * n),
+                    [&] { return ring_faces(center, axis, ring, tube, m, n); });
 }
 
 std::uint32_t FaceBuilder::rod(const Vec3& from, const Vec3& to, double radius, const Similarity& map) {
-  curved = true;
   const std::size_t n = sides_of_circle(radius, kTwoWays * error(map));
-  return add(map, static_cast<double>(n * n), [&] { return rod_faces(from, to, radius, n); });
+  return add_curved(map, n, static_cast<double>(n * n), [&] { return rod_faces(from, to, radius, n); });
 }
 
 std::optional<std::uint32_t> FaceBuilder::combine(const std::vector<NodePtr>& members, double sign,
@@ -172,7 +173,8 @@ SolidOfFaces faces_of(const SolidNode& root, double mesh_error, const Box3& regi
     const std::uint32_t inside = builder.box(end.lower, end.upper, {});
     builder.expression.combine(BooleanExpression::Kind::all, {*whole, inside});
   }
-  return {std::move(builder.expression), std::move(builder.parts), std::move(builder.meshes), origin};
+  return {std::move(builder.expression), std::move(builder.parts), std::move(builder.meshes), origin,
+          builder.curved_faces > FaceBuilder::kMostCurvedFaces};
 }
 
 }  // namespace sansmesh::inline v1

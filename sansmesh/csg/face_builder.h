@@ -18,6 +18,9 @@ namespace sansmesh::inline v1 {
 /// Collects the faces of meshes and primitives and their expression, to which nodes of solids are added in turn.
 class FaceBuilder {
  public:
+  /// More faces of curved primitives cost more than a mesh of the function.
+  static constexpr double kMostCurvedFaces = 2e6;
+
   /// Only examines the nodes: parts have no faces.
   FaceBuilder() = default;
   /// Faces of curved primitives are `mesh_error` away from them on average. Unbounded ones end beyond `region`, and the
@@ -45,12 +48,14 @@ class FaceBuilder {
   std::string obstacle;                                     ///< a part without faces; empty: there is none
   bool curved = false;                                      ///< whether faces approximate a primitive
   bool unbounded = false;
-  double triangles = 0;  ///< number of all
+  double curved_faces = 0;  ///< number of faces of curved primitives; if too many (kMostCurvedFaces), they have none
 
  private:
   template <class Make>
-  std::uint32_t add(const Similarity& map, double count, const Make& make);
-  std::uint32_t push(SolidFaces faces, std::shared_ptr<const TriangleMesh> mesh, const Similarity& map, double count);
+  std::uint32_t add(const Similarity& map, const Make& make);
+  template <class Make>
+  std::uint32_t add_curved(const Similarity& map, std::size_t sides, double count, const Make& make);
+  std::uint32_t push(SolidFaces faces, std::shared_ptr<const TriangleMesh> mesh, const Similarity& map);
   /// In the units of the primitive.
   double error(const Similarity& map) const { return mesh_error_ / map.scale; }
   void reach(const Similarity& map, Vec3& center, double& radius) const;
@@ -68,6 +73,7 @@ struct SolidOfFaces {
   std::vector<SolidFaces> parts;                            ///< relative to `origin`
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< mesh of each part; null for primitives
   Vec3 origin;
+  bool too_many = false;  ///< curved primitives need more faces than FaceBuilder::kMostCurvedFaces, and have none
 };
 
 /// Whether a solid has faces.

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kLeastSides = 12, kMostSides = 1 << 14;
+constexpr std::size_t kLeastSides = 12;
 /// Mean distance of a polygon from the circle of equal area, over the height of the arcs above its chords: 4 / 9√3.
 constexpr double kMeanOfChord = 0.2566;
 /// Mean distance of ball_faces with n edges from the ball, times n² over the radius.

@@ -8,6 +8,9 @@
 
 namespace sansmesh::inline v1 {
 
+/// Polygons with this number of sides do not reach the error.
+constexpr std::size_t kMostSides = 1 << 14;
+
 /// Sides of a regular polygon in a circle of this radius, whose mean distance from the circle is `error`; a multiple
 /// of 4.
 std::size_t sides_of_circle(double radius, double error);

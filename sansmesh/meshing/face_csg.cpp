@@ -19,8 +19,6 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Faces of curved primitives beyond this number cost more than a mesh of the function.
-constexpr double kMostFaces = 2e7;
 /// With so many parts, operations on faces are several times as fast.
 constexpr std::size_t kManyParts = 100;
 /// Seams may move by this many rounding errors of floats.
@@ -66,6 +64,10 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   progress.begin("faces");
   const double mesh_error = options.mesh_error.value_or(kCsgMeshError * box.diagonal());
   SolidOfFaces parts = faces_of(*whole.node(), mesh_error, box);
+  if (parts.too_many) {
+    report.reason = "curved parts would need too many faces for the mesh error";
+    return std::nullopt;
+  }
   for (std::size_t p = 0; p < parts.parts.size(); ++p)
     if (parts.meshes[p] && !encloses(parts.parts[p]) && !encloses(join_equal(parts.parts[p], *parts.meshes[p]))) {
       report.reason = "a mesh has edges with unpaired faces";

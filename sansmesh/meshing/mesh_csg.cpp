@@ -339,8 +339,8 @@ const OptionSchema& CsgMeshOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::mesher>({.text =
                               "faces: exact operations on triangles, which stay where nothing cuts them; function: a "
-                              "mesh of the solid's function; auto: faces for meshes, boxes and planes, if all "
-                              "parts have faces",
+                              "mesh of the solid's function; auto: faces if all parts have them (curved primitives "
+                              "without a mesh: from 100 on)",
                           .choices = meshers}),
       option<&O::mesh_error>({.text = "Accepted mean distance between mesh and surface",
                               .unit = "length",

@@ -193,6 +193,7 @@ void GatheredSamples::gather(std::span<const Vec3f> positions, std::span<const V
   std::size_t most = 0;
   for (const SampleRange& range : ranges) most += (range.last - range.first + stride - 1) / stride;
   reserve(most);
+  if (ranges.empty()) return;
   HWY_DYNAMIC_DISPATCH(GatherRanges)
   (&positions[0].x, &normals[0].x, ranges.data(), ranges.size(), stride, positions.size(), radius, *this);
   for (std::size_t i = size_; i < padded(); ++i)

@@ -292,7 +292,8 @@ TEST(MeshBooleans, RandomExpressionsOfBoxesOnAGrid) {
     }
     int cells = 0;
     for (int i = 0; i < kCells * kCells * kCells; ++i) {
-      const Vec3 x{i % kCells + 0.5, i / kCells % kCells + 0.5, i / (kCells * kCells) + 0.5};
+      const int row = i / kCells, layer = row / kCells;
+      const Vec3 x{i % kCells + 0.5, row % kCells + 0.5, layer + 0.5};
       BooleanState state(e, solids.size());
       for (std::uint32_t s = 0; s < boxes.size(); ++s) state.put(s, Box3{boxes[s][0], boxes[s][1]}.contains(x));
       cells += state.value();

@@ -316,6 +316,24 @@ TEST(Simplify, SliversOfTheInputDoNotBlockOthers) {
   EXPECT_EQ(measure_topology(few).genus(), 1);
 }
 
+TEST(Simplify, IsTheSameInAnyUnit) {
+  const auto few = [](float unit) {
+    TriangleMesh part = turned_part(60);
+    for (Vec3f& v : part.vertices) v = v * unit;
+    Progress progress;
+    simplify_mesh(part, {.triangles = part.triangles.size() / 10, .least_shape = kLeastShapeOfNumber}, progress);
+    return part;
+  };
+  const TriangleMesh part = turned_part(60);
+  const double one = distance(few(1), part).to_reference.mean;
+  for (const float unit : {0x1p-37f, 0x1p57f}) {
+    TriangleMesh scaled = few(unit);
+    EXPECT_LE(scaled.triangles.size(), part.triangles.size() / 10) << unit;
+    for (Vec3f& v : scaled.vertices) v = v * (1 / unit);
+    EXPECT_LT(distance(scaled, part).to_reference.mean, 1.2 * one) << unit;
+  }
+}
+
 TEST(Simplify, ColoursAreInTheCost) {
   // A flat square, in two colours with a wavy border between them.
   constexpr std::uint32_t n = 60;

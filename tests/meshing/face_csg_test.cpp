@@ -122,6 +122,16 @@ TEST(FaceCsg, EmptySolidsAreAnError) {
 }
 
 /// Vertices that files repeat for each face.
+TEST(FaceCsg, TooManyFacesAreLeftToTheFunction) {
+  CsgMeshOptions options;
+  options.mesh_error = 1e-10;
+  CsgMeshReport report;
+  Progress progress;
+  EXPECT_FALSE(mesh_of_faces(csg::subtract(csg::box({0, 0, 0}, {1, 1, 1}), csg::sphere({0, 0, 0}, 0.5)), options,
+                             progress, report));
+  EXPECT_EQ(report.reason, "curved parts would need too many faces for the mesh error");
+}
+
 TEST(FaceCsg, EqualVerticesAreJoined) {
   const TriangleMesh ball = octasphere(2);
   TriangleMesh soup;

@@ -279,6 +279,9 @@ class GlbReader {
       const NumberType type = indices.first.type;
       if (indices.components != 1 || (type != NumberType::u8 && type != NumberType::u16 && type != NumberType::u32))
         in_.fail("malformed glTF: indices are not whole numbers");
+      corners_ += indices.count;
+      if (corners_ > std::max(kMostRepeated, kMostRepeatedOfSize * document_.size()))
+        in_.fail(fmt::format("repeats its meshes too often: they have {} triangles or more", grouped(corners_ / 3)));
       corners.resize(indices.count);
       with_loader(type, false, [&](auto at) {
         for (std::size_t i = 0; i < corners.size(); ++i)
@@ -366,6 +369,7 @@ class GlbReader {
   PointSet points_;
   FaceSink faces_;
   std::vector<Vec3> positions_;
+  std::size_t corners_ = 0;  // indices of all primitives
   std::vector<Vec3f> normals_;
   std::vector<std::array<std::uint8_t, 3>> colors_;
   std::vector<AttributeTable> tables_;

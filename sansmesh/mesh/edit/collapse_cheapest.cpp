@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/box.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 
@@ -74,6 +75,7 @@ struct CheapestEdges {
   std::vector<Quadric> originals;  // planes of the original triangles, per vertex; only with limits
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::vector<Merge> merges;
+  double cost_unit = 1;
   std::vector<std::uint32_t> gone;  // collapsed triangles in the rings of waiting vertices, per vertex
 
   CheapestEdges(EdgeCollapses& m, VertexValues v) : mesh(m), values(std::move(v)) {}
@@ -155,8 +157,12 @@ struct CheapestEdges {
       const Vec3 shift = gain > 0 ? along * ((s.d - dot(s.n, p)) / gain) : Vec3{};
       if (squared_norm(shift) < squared_norm(mesh.x[a] - mesh.x[b])) p += shift;
     }
+    if (!is_finite(p)) p = middle;  // the determinant may be denormal
     return {b, std::max(0.0, q.at(p)), p};
   }
+
+  /// A cost as it is stored: in units in which the mesh has the size 1, because floats have not the range of volumes.
+  float stored(double cost) const { return static_cast<float>(std::min(cost * cost_unit, 1e30)); }
 
   bool within_limits(std::uint32_t a, const Collapse& c) const {
     if (mesh.limit.empty()) return true;
@@ -192,7 +198,7 @@ struct CheapestEdges {
       });
       if (possible(v, *best)) {
         mesh.to[v] = best->with;
-        mesh.cost[v] = static_cast<float>(best->cost);
+        mesh.cost[v] = stored(best->cost);
         return;
       }
       *best = all[--n];
@@ -210,6 +216,10 @@ struct CheapestEdges {
   }
 
   void prepare() {
+    Box3 box;
+    for (const Vec3& x : mesh.x) box.extend(x);
+    const double size = box.diagonal();
+    cost_unit = size > 0 ? 1 / (size * size) / (size * size) : 1;
     plane.resize(mesh.triangles.size());
     sums.resize(mesh.x.size());
     gone.resize(mesh.x.size(), 0);
@@ -315,7 +325,7 @@ struct CheapestEdges {
       const std::uint32_t v = top.second, w = mesh.to[v];
       if (w == kNoVertex || entry(v) != top) continue;  // outdated
       const Collapse c = measure(v, w);
-      if (c.cost > kStale * static_cast<double>(mesh.cost[v]) || !possible(v, c)) {
+      if (static_cast<double>(stored(c.cost)) > kStale * static_cast<double>(mesh.cost[v]) || !possible(v, c)) {
         look(v);
         continue;
       }
