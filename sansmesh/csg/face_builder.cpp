@@ -173,7 +173,11 @@ SolidOfFaces faces_of(const SolidNode& root, double mesh_error, const Box3& regi
     const std::uint32_t inside = builder.box(end.lower, end.upper, {});
     builder.expression.combine(BooleanExpression::Kind::all, {*whole, inside});
   }
-  return {std::move(builder.expression), std::move(builder.parts), std::move(builder.meshes), origin,
+  return {std::move(builder.expression),
+          std::move(builder.parts),
+          std::move(builder.meshes),
+          origin,
+          builder.curved,
           builder.curved_faces > FaceBuilder::kMostCurvedFaces};
 }
 

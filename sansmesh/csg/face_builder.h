@@ -73,6 +73,7 @@ struct SolidOfFaces {
   std::vector<SolidFaces> parts;                            ///< relative to `origin`
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  ///< mesh of each part; null for primitives
   Vec3 origin;
+  bool curved = false;    ///< whether faces approximate primitives
   bool too_many = false;  ///< curved primitives need more faces than FaceBuilder::kMostCurvedFaces, and have none
 };
 

@@ -94,7 +94,7 @@ std::optional<TriangleMesh> mesh_of_faces(const Solid& solid, const CsgMeshOptio
   report.box = {};
   for (const Vec3& v : made.vertices) report.box.extend(v + parts.origin);
   report.mesher = CsgMesher::faces;
-  report.mean_error = survey_faces(*whole.node()).curved ? mesh_error : 0;
+  report.mean_error = parts.curved ? mesh_error : 0;
   report.cut_faces = made.cut_triangles;
   report.seam_vertices = made.seam_vertices - thinned.removed;
   finish_csg(mesh, options, report);

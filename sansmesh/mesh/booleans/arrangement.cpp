@@ -27,6 +27,15 @@ int common_corners(const Triangle& a, const Triangle& b) {
   return common;
 }
 
+void append(TriangleCuts& all, const TriangleCuts& more) {
+  const auto shift = static_cast<std::uint32_t>(all.points.size());
+  all.points.insert(all.points.end(), more.points.begin(), more.points.end());
+  for (TriangleCut c : more.cuts) {
+    c.from += shift, c.to += shift;
+    all.cuts.push_back(c);
+  }
+}
+
 /// Runs find(first, last, cuts) on chunks of 0..n and joins the results in order.
 template <class Find>
 TriangleCuts collected_cuts(std::size_t n, const Find& find) {
@@ -38,14 +47,7 @@ TriangleCuts collected_cuts(std::size_t n, const Find& find) {
   for (const TriangleCuts& p : parts) points += p.points.size(), cuts += p.cuts.size();
   all.points.reserve(points);
   all.cuts.reserve(cuts);
-  for (const TriangleCuts& p : parts) {
-    const auto shift = static_cast<std::uint32_t>(all.points.size());
-    all.points.insert(all.points.end(), p.points.begin(), p.points.end());
-    for (TriangleCut c : p.cuts) {
-      c.from += shift, c.to += shift;
-      all.cuts.push_back(c);
-    }
-  }
+  for (const TriangleCuts& p : parts) append(all, p);
   return all;
 }
 
@@ -62,15 +64,6 @@ std::vector<std::uint32_t> near_others(const SolidTriangles& in, std::span<const
   for (std::uint32_t t = 0; t < near.size(); ++t)
     if (near[t] != 0) found.push_back(t);
   return found;
-}
-
-void append(TriangleCuts& all, TriangleCuts&& more) {
-  const auto shift = static_cast<std::uint32_t>(all.points.size());
-  all.points.insert(all.points.end(), more.points.begin(), more.points.end());
-  for (TriangleCut c : more.cuts) {
-    c.from += shift, c.to += shift;
-    all.cuts.push_back(c);
-  }
 }
 
 TriangleCuts all_cuts(const SolidTriangles& in, const ExactSpace& space, const FaceBoxTree& tree,
