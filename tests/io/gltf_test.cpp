@@ -236,11 +236,11 @@ TEST(Gltf, PointsAreACloudAndLinesAreLeftOut) {
   ReadReport report;
   EXPECT_EQ(read_points(folder.put("a.glb", made.file()), &report).size(), 4u);
   EXPECT_EQ(report.unread, (std::vector<std::string>{"lines", "points beside the triangles"}));
-  made.document["meshes"][0]["primitives"] = {points};
+  made.document["meshes"][0]["primitives"] = json::array({points});
   const PointSet cloud = read_points(folder.put("p.glb", made.file()));
   EXPECT_EQ(cloud.size(), 4u);
   EXPECT_TRUE(cloud.triangles.empty());
-  made.document["meshes"][0]["primitives"] = {lines};
+  made.document["meshes"][0]["primitives"] = json::array({lines});
   expect_unreadable(folder.put("l.glb", made.file()), "lines, but no triangles");
 }
 
