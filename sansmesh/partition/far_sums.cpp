@@ -18,6 +18,8 @@ namespace sansmesh::inline v1 {
 /// second the group is approximated. Closer up, a group's 1/r⁶ differs so much from that of its members that the
 /// transition would be steep.
 constexpr float kOpen = 4.0f, kClosed = 5.0f;
+/// The same for rough sums, without a transition.
+constexpr float kRough = 2.25f;
 }  // namespace sansmesh::inline v1
 #endif
 
@@ -250,6 +252,57 @@ void SumSources(const FarTree& tree, FarSums sums, bool gradient, std::size_t co
   }
 }
 
+/// Σ ⟨p − x, a⟩ / r³ without moments and transitions.
+void SumRoughlyT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
+  constexpr std::size_t kLanes = 16, kStack = 256;
+  const hn::CappedTag<float, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  struct Item {
+    std::uint32_t level, octet;
+  };
+  Item stack[kStack];
+  HWY_ALIGN float shares[kStack][kLanes];  // 1 for the points that look at the item
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), quarter = hn::Set(d, 0.25f), least = hn::Set(d, 1e-12f);
+  const V p[3] = {hn::LoadU(d, batch.x[0] + begin), hn::LoadU(d, batch.x[1] + begin), hn::LoadU(d, batch.x[2] + begin)};
+  V sum = zero;
+  std::size_t top = 1;
+  stack[0] = {static_cast<std::uint32_t>(tree.levels.size() - 1), 0};
+  hn::Store(one, d, shares[0]);
+  while (top > 0) {
+    const Item item = stack[--top];
+    const FarTree::Octet& o = tree.levels[item.level][item.octet];
+    const V whole = hn::Load(d, shares[top]);
+    for (std::uint32_t k = 0; k < 8; ++k) {
+      if (o.radius[k] < 0) continue;
+      const V x = hn::Sub(hn::Set(d, o.x[k]), p[0]), y = hn::Sub(hn::Set(d, o.y[k]), p[1]),
+              z = hn::Sub(hn::Set(d, o.z[k]), p[2]);
+      V r2 = pn::MulAdd(x, x, pn::MulAdd(y, y, hn::Mul(z, z))), share = whole;
+      if (item.level > 0) {
+        const auto near = hn::Lt(r2, hn::Set(d, kRough * o.radius[k] * o.radius[k]));
+        const V below = hn::IfThenElseZero(near, whole);
+        if (!hn::AllTrue(d, hn::Eq(below, zero))) {
+          stack[top] = {item.level - 1, item.octet * 8 + k};
+          hn::Store(below, d, shares[top++]);
+          share = hn::Sub(whole, below);
+          if (hn::AllTrue(d, hn::Eq(share, zero))) continue;
+        }
+      } else {
+        r2 = pn::MulAdd(quarter, hn::Set(d, o.area[k]), r2);
+      }
+      const V root = pn::ReciprocalSqrt(hn::Max(r2, least));
+      const V along = pn::MulAdd(x, hn::Set(d, o.ax[k]),
+                                 pn::MulAdd(y, hn::Set(d, o.ay[k]), hn::Mul(z, hn::Set(d, o.az[k]))));
+      sum = pn::MulAdd(hn::Mul(share, along), hn::Mul(root, hn::Mul(root, root)), sum);
+    }
+  }
+  hn::StoreU(sum, d, batch.sum[0] + begin);
+}
+
+void SumRoughly(const FarTree& tree, std::size_t count, FarBatch& batch) {
+  const std::size_t lanes = hn::Lanes(hn::CappedTag<float, 16>());
+  for (std::size_t i = 0; i < count; i += lanes) SumRoughlyT(tree, batch, i);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sansmesh::inline v1
 HWY_AFTER_NAMESPACE();
@@ -257,9 +310,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sansmesh::inline v1 {
 HWY_EXPORT(SumSources);
+HWY_EXPORT(SumRoughly);
 
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch) {
   HWY_DYNAMIC_DISPATCH(SumSources)(tree, sums, gradient, count, batch);
+}
+
+void sum_roughly(const FarTree& tree, std::size_t count, FarBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(SumRoughly)(tree, count, batch);
 }
 
 }  // namespace sansmesh::inline v1

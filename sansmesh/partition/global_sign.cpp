@@ -63,28 +63,40 @@ Vec3f pulled_in(const Vec3f& x, float& ratio) {
 
 namespace {
 
-/// The sums at some of the points, moved to within kFar.
-void sum_batch(const FarTree& tree, std::span<const Vec3f> x, float unit, FarSums sums, bool gradient, float* ratio,
-               FarBatch& batch) {
+/// Some of the points, moved to within kFar.
+void fill_batch(std::span<const Vec3f> x, float unit, float* ratio, FarBatch& batch) {
   for (std::size_t i = 0; i < FarBatch::kBatch; ++i) {
     const std::size_t k = std::min(i, x.size() - 1);
     const Vec3f p = pulled_in(x[k] / unit, ratio[k]);
     for (std::size_t a = 0; a < 3; ++a) batch.x[a][i] = p[a];
   }
-  sum_sources(tree, sums, gradient, x.size(), batch);
+}
+
+template <class Sum>
+void winding_numbers(std::span<const Vec3f> x, float unit, const Sum& sum, std::span<float> values) {
+  FarBatch batch;
+  float ratio[FarBatch::kBatch];
+  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
+    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
+    fill_batch(x.subspan(first, n), unit, ratio, batch);
+    sum(n, batch);
+    for (std::size_t i = 0; i < n; ++i) values[first + i] = batch.sum[0][i] / (4 * std::numbers::pi_v<float>);
+  }
 }
 
 }  // namespace
 
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
-  FarBatch batch;
-  float ratio[FarBatch::kBatch];
-  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
-    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    if (!empty()) sum_batch(tree_, x.subspan(first, n), unit_, FarSums::winding, false, ratio, batch);
-    for (std::size_t i = 0; i < n; ++i)
-      values[first + i] = empty() ? 0 : batch.sum[0][i] / (4 * std::numbers::pi_v<float>);
-  }
+  std::fill(values.begin(), values.end(), 0.0f);
+  if (empty()) return;
+  const auto sum = [&](std::size_t n, FarBatch& b) { sum_sources(tree_, FarSums::winding, false, n, b); };
+  winding_numbers(x, unit_, sum, values);
+}
+
+void GlobalSign::rough_winding_number(std::span<const Vec3f> x, std::span<float> values) const {
+  std::fill(values.begin(), values.end(), 0.0f);
+  if (empty()) return;
+  winding_numbers(x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); }, values);
 }
 
 namespace {
@@ -124,7 +136,8 @@ void GlobalSign::far_values(std::span<const Vec3f> x, bool gradient, std::span<F
   float ratio[FarBatch::kBatch];
   for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
     const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    sum_batch(tree_, x.subspan(first, n), unit_, open_ ? FarSums::open : FarSums::closed, gradient, ratio, batch);
+    fill_batch(x.subspan(first, n), unit_, ratio, batch);
+    sum_sources(tree_, open_ ? FarSums::open : FarSums::closed, gradient, n, batch);
     for (std::size_t i = 0; i < n; ++i) {
       FarValue& f = values[first + i];
       float in_units = 0;
@@ -165,6 +178,14 @@ void FarField::signed_distance(std::span<const Vec3f> x, std::span<float> values
     if (sum > 0)
       gradients[i] += (a.weight_gradient * (1 - share) - b.weight_gradient * share) * ((a.value - b.value) / sum);
   }
+}
+
+void FarField::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
+  std::fill(signs.begin(), signs.end(), 0.0f);
+  if (closed.empty() || !open.empty()) return;
+  closed.rough_winding_number(x, signs);
+  constexpr float kClear = 0.25f;
+  for (float& s : signs) s = std::abs(s - 0.5f) < kClear ? 0.0f : s > 0.5f ? -1.0f : 1.0f;
 }
 
 }  // namespace sansmesh::inline v1

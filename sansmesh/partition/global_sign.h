@@ -44,6 +44,8 @@ class GlobalSign {
 
   /// Winding number only.
   void winding_number(std::span<const Vec3f> x, std::span<float> values) const;
+  /// The same within about 0.1, in a fifth of the time.
+  void rough_winding_number(std::span<const Vec3f> x, std::span<float> values) const;
 
  private:
   float unit_ = 1;
@@ -57,6 +59,9 @@ struct FarField {
   GlobalSign closed, open;
 
   void signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients = {}) const;
+
+  /// Signs of these distances where they are easily found: −1 inside, 1 outside, 0 undecided.
+  void easy_signs(std::span<const Vec3f> x, std::span<float> signs) const;
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,6 +1,7 @@
 // Values and gradients of a partition of unity.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "sansmesh/partition/partition_state.h"
@@ -8,8 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Like ScalarField::evaluate, in world coordinates.
+/// Like ScalarField::evaluate, in world coordinates; with `exact`, like SignField::evaluate_signs.
 void evaluate_partition(const PartitionState& partition, std::span<const Vec3> x, std::span<double> values,
-                        std::span<Vec3> gradients);
+                        std::span<Vec3> gradients, std::span<std::uint8_t> exact = {});
 
 }  // namespace sansmesh::inline v1

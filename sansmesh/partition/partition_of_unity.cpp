@@ -88,6 +88,10 @@ const PartitionData& PartitionOfUnity::data() const { return state_->data; }
 void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   evaluate_partition(*state_, x, values, gradients);
 }
+void PartitionOfUnity::evaluate_signs(std::span<const Vec3> x, std::span<double> values,
+                                      std::span<std::uint8_t> exact) const {
+  evaluate_partition(*state_, x, values, {}, exact);
+}
 void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   partition_ranges(*state_, x, radius, found);
 }

@@ -9,6 +9,7 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/field/sign_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -105,15 +106,17 @@ void Extraction::put_in_order() {
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<LatticePoint> new_points(first.back());
   std::vector<float> new_values(first.back());
-  std::vector<std::uint8_t> new_caps(first.back());
+  std::vector<std::uint8_t> new_caps(first.back()), new_exact(exact_.empty() ? 0 : first.back());
   parallel_for(0, n, 8192, [&](std::size_t v) {
     if (owner[v] == kNone) return;
     const std::uint32_t to = renumbered[v] += first[owner[v]];
     new_points[to] = numbering_.points()[v];
     new_values[to] = values_[v];
     new_caps[to] = caps_[v];
+    if (!exact_.empty()) new_exact[to] = exact_[v];
   });
   points_ = std::move(new_points), values_ = std::move(new_values), caps_ = std::move(new_caps);
+  exact_ = std::move(new_exact);
   numbering_ = {};
   std::vector<std::uint32_t> new_numbers(end);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
@@ -134,19 +137,45 @@ void Extraction::evaluate_new() {
   std::size_t done = values_.size();
   values_.resize(n);
   caps_.resize(n);
+  const auto* const signs = dynamic_cast<const SignField*>(&field_);
+  if (signs) exact_.resize(n);
   std::vector<Vec3> x;
   std::vector<double> f;
   for (std::size_t count; done < n; done += count) {
     count = std::min(kBatch, n - done);
     x.resize(count), f.resize(count);
     parallel_for(0, count, 8192, [&](std::size_t i) { x[i] = lattice_position(tree_, numbering_.points()[done + i]); });
-    field_.evaluate(x, f);
-    parallel_for(0, count, 8192, [&](std::size_t i) {
-      const bool cap = f[i] < 0 && on_border(numbering_.points()[done + i]);
-      caps_[done + i] = cap;
-      values_[done + i] = static_cast<float>(cap ? -f[i] : f[i]);
-    });
+    if (signs) {
+      signs->evaluate_signs(x, f, std::span(exact_).subspan(done, count));
+    } else {
+      field_.evaluate(x, f);
+    }
+    parallel_for(0, count, 8192, [&](std::size_t i) { put_value(done + i, numbering_.points()[done + i], f[i]); });
   }
+}
+
+void Extraction::complete_values() {
+  if (exact_.empty()) return;
+  std::vector<std::uint8_t> wanted(values_.size(), 0);
+  parallel_for(0, active_.size(), 1024, [&](std::size_t b) {
+    const std::span<const std::uint32_t> vertices = vertices_of(active_[b]);
+    if (std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return exact_[v] != 0; })) return;
+    for (const auto& tet : active_[b].pattern->tets) {
+      const auto in = [&](std::size_t k) { return inside(vertices[tet[k]]); };
+      if (in(0) == in(1) && in(1) == in(2) && in(2) == in(3)) continue;
+      for (const std::uint8_t s : tet)
+        if (!exact_[vertices[s]]) std::atomic_ref(wanted[vertices[s]]).store(1, std::memory_order_relaxed);
+    }
+  });
+  std::vector<std::size_t> list;
+  for (std::size_t v = 0; v < wanted.size(); ++v)
+    if (wanted[v]) list.push_back(v);
+  std::vector<Vec3> x(list.size());
+  std::vector<double> f(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) x[i] = lattice_position(tree_, points_[list[i]]);
+  field_.evaluate(x, f);
+  for (std::size_t i = 0; i < list.size(); ++i) put_value(list[i], points_[list[i]], f[i]);
+  exact_ = {};
 }
 
 void Extraction::activate(const std::vector<Vec3>& seeds) {
@@ -161,6 +190,7 @@ void Extraction::activate(const std::vector<Vec3>& seeds) {
   }
   is_active = {};
   put_in_order();
+  complete_values();
 }
 
 void Extraction::add_new(std::vector<std::uint32_t> blocks, std::vector<std::uint8_t>& is_active) {

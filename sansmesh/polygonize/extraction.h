@@ -81,8 +81,15 @@ class Extraction {
   void add_blocks(const std::vector<std::uint32_t>& blocks);
   /// Adds the blocks that are not active yet.
   void add_new(std::vector<std::uint32_t> blocks, std::vector<std::uint8_t>& is_active);
-  /// Evaluates the field at the lattice vertices numbered since the last call.
+  /// Evaluates the field at the lattice vertices numbered since the last call, of some only the sign.
   void evaluate_new();
+  /// Stores the field's value at the lattice vertex v.
+  void put_value(std::size_t v, const LatticePoint& p, double f) {
+    caps_[v] = f < 0 && on_border(p);
+    values_[v] = static_cast<float>(caps_[v] ? -f : f);
+  }
+  /// Evaluates what is known by its sign only at vertices of crossing simplices.
+  void complete_values();
   /// Follows the surface from the active blocks from `done` on; neighbours outside the region are only recorded.
   void follow(std::vector<std::uint8_t>& is_active, std::size_t done, std::vector<std::uint32_t>& beyond);
   /// Appends the inactive blocks across the faces of a block on which the sign changes.
@@ -120,6 +127,7 @@ class Extraction {
   std::vector<float> values_;         ///< per lattice vertex
   std::vector<Vec3f> moved_;          ///< displaced positions relative to origin; empty without displacement
   std::vector<std::uint8_t> caps_;    ///< per lattice vertex
+  std::vector<std::uint8_t> exact_;   ///< per lattice vertex: whether the size of its value is right; empty: all are
 };
 
 }  // namespace sansmesh::inline v1
