@@ -13,10 +13,10 @@ class SignField {
  public:
   virtual ~SignField() = default;
 
-  /// Values with the signs of those of ScalarField::evaluate. `exact` becomes 1 where they are the same, and 0 where
-  /// only the sign is. Sizes must agree. Thread-safe.
+  /// Values with the signs of those of ScalarField::evaluate. Where `sized` becomes 1 they approximate these next to
+  /// the surface; where it becomes 0 only the sign is known. Lengths must agree. Thread-safe.
   virtual void evaluate_signs(std::span<const Vec3> x, std::span<double> values,
-                              std::span<std::uint8_t> exact) const = 0;
+                              std::span<std::uint8_t> sized) const = 0;
 };
 
 }  // namespace sansmesh::inline v1

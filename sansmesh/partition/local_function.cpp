@@ -34,9 +34,9 @@ std::array<Probe, 18> make_probes() {
   return probes;
 }
 
-float height_slope(const LocalFunction& f, float u, float v) {
+float squared_height_slope(const LocalFunction& f, float u, float v) {
   const HeightGradient g = height_gradient(f, u, v);
-  return std::hypot(g.u, g.v);
+  return g.u * g.u + g.v * g.v;
 }
 
 /// Bound for the norm of g's second derivatives where u² + v² ≤ r²: the Frobenius norm of bounds of each, with |uv| ≤
@@ -87,9 +87,10 @@ float local_slope(const LocalFunction& f, const Vec3f& center, float radius) {
   if (f.is_constant()) return 0;
   const Vec3f d = (center - f.center) / f.scale;
   const float u = dot(d, f.xi), v = dot(d, f.eta), r = radius / f.scale;
-  float most = height_slope(f, u, v);
+  float most = squared_height_slope(f, u, v);
   static const std::array<Probe, 18> probes = make_probes();
-  for (const Probe& p : probes) most = std::max(most, height_slope(f, u + r * p.u, v + r * p.v));
+  for (const Probe& p : probes) most = std::max(most, squared_height_slope(f, u + r * p.u, v + r * p.v));
+  most = std::sqrt(most);
   // Between these points ∇g changes by at most the bound of its derivative.
   most += kApart * r * height_bend(f, std::hypot(u, v) + r);
   return std::hypot(1.0f, most) * kRoundedUp;

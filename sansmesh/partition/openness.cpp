@@ -21,7 +21,7 @@ constexpr std::array<float, 3> kDepths{0.5f, 1.0f, 2.0f};
 constexpr double kLeastJump = 0.25;
 /// Largest number of sampled patches of a sheet: with more, every so many-th along the Morton curve, which gives the
 /// mean to a few thousandths.
-constexpr std::size_t kLookers = 8192;
+constexpr std::size_t kLookers = 2048;
 /// Sheets with less of the largest one's area, those of stray samples, and those with so few samples that they may be
 /// poorly sampled parts of another one, follow the others.
 constexpr double kSmallSheet = 0.02;

@@ -251,7 +251,7 @@ constexpr float kNoWeight = 1e-24f;  // below, the sums of weights are only roun
 struct Output {
   std::span<double> values;
   std::span<Vec3> gradients;      ///< empty if not requested
-  std::span<std::uint8_t> exact;  ///< empty if all values have to be
+  std::span<std::uint8_t> sized;  ///< empty if values have to be exact
   void put(std::size_t i, float value, const Vec3f& gradient) const {
     values[i] = value;
     if (!gradients.empty()) gradients[i] = Vec3(gradient);
@@ -270,16 +270,17 @@ struct FarQueries {
   std::vector<Near> near;
   std::vector<float> values;
 
-  /// Puts signs where the far field's sign is easily found and the supports' is the same, and removes these points.
+  /// Puts the supports' value where the far field's sign is easily found and the same, or only the sign if no support
+  /// reaches the point; and removes these points.
   void take_easy(const FarField& field, const Output& out) {
     values.resize(x.size());
     field.easy_signs(x, values);
     std::size_t kept = 0;
     for (std::size_t j = 0; j < x.size(); ++j) {
-      const bool agree = near[j].weight <= 0 || (near[j].value < 0) == (values[j] < 0);
-      if (values[j] != 0 && agree) {
-        out.put(near[j].at, values[j], {});
-        out.exact[near[j].at] = 0;
+      const bool reached = near[j].weight > 0;
+      if (values[j] != 0 && (!reached || (near[j].value < 0) == (values[j] < 0))) {
+        out.put(near[j].at, reached ? near[j].value : values[j], {});
+        out.sized[near[j].at] = reached;
       } else {
         x[kept] = x[j], near[kept++] = near[j];
       }
@@ -298,7 +299,7 @@ struct Step {
 /// `plain`: weight from which the far field has no share in a plain blend; 0 for the default blend.
 void hand_over(const FarField& field, FarQueries& far, float plain, const Output& out) {
   const bool gradient = !out.gradients.empty();
-  if (!out.exact.empty()) far.take_easy(field, out);
+  if (!out.sized.empty()) far.take_easy(field, out);
   far.values.resize(far.x.size());
   far.gradients.resize(gradient ? far.x.size() : 0);
   field.signed_distance(far.x, far.values, far.gradients);
@@ -374,7 +375,7 @@ void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<
 }  // namespace
 
 void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::span<double> values,
-                        std::span<Vec3> gradients, std::span<std::uint8_t> exact) {
+                        std::span<Vec3> gradients, std::span<std::uint8_t> sized) {
   const PartitionData& data = s.data;
   const std::size_t n = x.size();
   constexpr std::size_t kTile = EvaluationTile::kTile;
@@ -399,8 +400,8 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
     }
   }
   const auto at = [&](std::size_t i) { return order.empty() ? i : order[i]; };
-  const Output out{values, gradients, exact};
-  std::fill(exact.begin(), exact.end(), std::uint8_t{1});
+  const Output out{values, gradients, sized};
+  std::fill(sized.begin(), sized.end(), std::uint8_t{1});
   const float plain = data.paper ? s.full : 0;
   parallel_ranges(0, (n + kTile - 1) / kTile, 16, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> list;

@@ -55,7 +55,7 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
       state->manner[i] = kPlain;
       return;
     }
-    const bool steep = is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
+    const bool steep = d.slopes[i] > kSteep && is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
     state->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
   });
   if (d.paper) {
@@ -89,8 +89,8 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
   evaluate_partition(*state_, x, values, gradients);
 }
 void PartitionOfUnity::evaluate_signs(std::span<const Vec3> x, std::span<double> values,
-                                      std::span<std::uint8_t> exact) const {
-  evaluate_partition(*state_, x, values, {}, exact);
+                                      std::span<std::uint8_t> sized) const {
+  evaluate_partition(*state_, x, values, {}, sized);
 }
 void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   partition_ranges(*state_, x, radius, found);

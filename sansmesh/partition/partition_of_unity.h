@@ -22,7 +22,7 @@ class PartitionOfUnity : public ScalarField, public SignField {
 
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
-  void evaluate_signs(std::span<const Vec3> x, std::span<double> values, std::span<std::uint8_t> exact) const override;
+  void evaluate_signs(std::span<const Vec3> x, std::span<double> values, std::span<std::uint8_t> sized) const override;
 
   /// Bounds from proven slopes of the local functions (PartitionData::slopes), the weights, and a measured slope of the
   /// far field; widened for rounding. Where neighbouring functions agree, the width is a few slopes times the radius;

@@ -29,21 +29,15 @@ struct Bridge {
   double gain;
 };
 
-/// The triangles around vertices where triangles differ by more than kBridgeCosine; their flips concern no others.
-std::vector<std::uint32_t> bent_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles) {
-  std::vector<Vec3f> normal(triangles.size());
-  parallel_for(0, normal.size(), 8192, [&](std::size_t t) {
-    const auto& [a, b, c] = triangles[t];
-    normal[t] = Vec3f(normalized(cross(x[b] - x[a], x[c] - x[a])));
-  });
-  // The first triangle's normal at each vertex, and the least cosine with the others: bent by half the angle at least.
-  std::vector<std::uint32_t> first(x.size(), EditableSurface::kNone);
-  std::vector<std::uint8_t> bent(x.size(), 0);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (const std::uint32_t v : triangles[t]) {
-      if (first[v] == EditableSurface::kNone) first[v] = t;
-      if (dot(normal[t], normal[first[v]]) < kBentCosine) bent[v] = 1;
-    }
+/// The triangles around those over which the normals of the surface turn by more than half the angle of a bridge: a
+/// bridge has a vertex on either side of the crease. Their flips concern no others.
+std::vector<std::uint32_t> bent_triangles(std::span<const Vec3f> normals, std::span<const Triangle> triangles) {
+  std::vector<std::uint8_t> bent(normals.size(), 0);
+  for (const auto& [a, b, c] : triangles) {
+    const float least = std::min(
+        {dot(normals[a], normals[b]), dot(normals[b], normals[c]), dot(normals[c], normals[a])});
+    if (least < kBentCosine) bent[a] = bent[b] = bent[c] = 1;
+  }
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     if (bent[triangles[t][0]] | bent[triangles[t][1]] | bent[triangles[t][2]]) found.push_back(t);
@@ -52,8 +46,9 @@ std::vector<std::uint32_t> bent_triangles(std::span<const Vec3> x, std::span<con
 
 }  // namespace
 
-std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3> x, std::vector<Triangle>& triangles) {
-  const std::vector<std::uint32_t> near = bent_triangles(x, triangles);
+std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3> x, std::span<const Vec3f> normals,
+                                  std::vector<Triangle>& triangles) {
+  const std::vector<std::uint32_t> near = bent_triangles(normals, triangles);
   if (near.empty()) return 0;
   std::vector<Triangle> part(near.size());
   for (std::size_t i = 0; i < near.size(); ++i) part[i] = triangles[near[i]];

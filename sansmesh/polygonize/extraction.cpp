@@ -106,17 +106,17 @@ void Extraction::put_in_order() {
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<LatticePoint> new_points(first.back());
   std::vector<float> new_values(first.back());
-  std::vector<std::uint8_t> new_caps(first.back()), new_exact(exact_.empty() ? 0 : first.back());
+  std::vector<std::uint8_t> new_caps(first.back()), new_sized(sized_.empty() ? 0 : first.back());
   parallel_for(0, n, 8192, [&](std::size_t v) {
     if (owner[v] == kNone) return;
     const std::uint32_t to = renumbered[v] += first[owner[v]];
     new_points[to] = numbering_.points()[v];
     new_values[to] = values_[v];
     new_caps[to] = caps_[v];
-    if (!exact_.empty()) new_exact[to] = exact_[v];
+    if (!sized_.empty()) new_sized[to] = sized_[v];
   });
   points_ = std::move(new_points), values_ = std::move(new_values), caps_ = std::move(new_caps);
-  exact_ = std::move(new_exact);
+  sized_ = std::move(new_sized);
   numbering_ = {};
   std::vector<std::uint32_t> new_numbers(end);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
@@ -138,7 +138,7 @@ void Extraction::evaluate_new() {
   values_.resize(n);
   caps_.resize(n);
   const auto* const signs = dynamic_cast<const SignField*>(&field_);
-  if (signs) exact_.resize(n);
+  if (signs) sized_.resize(n);
   std::vector<Vec3> x;
   std::vector<double> f;
   for (std::size_t count; done < n; done += count) {
@@ -146,7 +146,7 @@ void Extraction::evaluate_new() {
     x.resize(count), f.resize(count);
     parallel_for(0, count, 8192, [&](std::size_t i) { x[i] = lattice_position(tree_, numbering_.points()[done + i]); });
     if (signs) {
-      signs->evaluate_signs(x, f, std::span(exact_).subspan(done, count));
+      signs->evaluate_signs(x, f, std::span(sized_).subspan(done, count));
     } else {
       field_.evaluate(x, f);
     }
@@ -155,16 +155,16 @@ void Extraction::evaluate_new() {
 }
 
 void Extraction::complete_values() {
-  if (exact_.empty()) return;
+  if (sized_.empty()) return;
   std::vector<std::uint8_t> wanted(values_.size(), 0);
   parallel_for(0, active_.size(), 1024, [&](std::size_t b) {
     const std::span<const std::uint32_t> vertices = vertices_of(active_[b]);
-    if (std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return exact_[v] != 0; })) return;
+    if (std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return sized_[v] != 0; })) return;
     for (const auto& tet : active_[b].pattern->tets) {
       const auto in = [&](std::size_t k) { return inside(vertices[tet[k]]); };
       if (in(0) == in(1) && in(1) == in(2) && in(2) == in(3)) continue;
       for (const std::uint8_t s : tet)
-        if (!exact_[vertices[s]]) std::atomic_ref(wanted[vertices[s]]).store(1, std::memory_order_relaxed);
+        if (!sized_[vertices[s]]) std::atomic_ref(wanted[vertices[s]]).store(1, std::memory_order_relaxed);
     }
   });
   std::vector<std::size_t> list;
@@ -175,7 +175,7 @@ void Extraction::complete_values() {
   for (std::size_t i = 0; i < list.size(); ++i) x[i] = lattice_position(tree_, points_[list[i]]);
   field_.evaluate(x, f);
   for (std::size_t i = 0; i < list.size(); ++i) put_value(list[i], points_[list[i]], f[i]);
-  exact_ = {};
+  sized_ = {};
 }
 
 void Extraction::activate(const std::vector<Vec3>& seeds) {

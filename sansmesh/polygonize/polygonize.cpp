@@ -155,7 +155,8 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   to_surface();
   if (options.creases) {
     snap_to_creases(placement, mesh.triangles, corners, mesh.normals, x);
-    if (turn_edges_to_creases(placement, x, mesh.triangles) > 0) corners = VertexCorners(mesh.triangles, n);
+    if (turn_edges_to_creases(placement, x, mesh.normals, mesh.triangles) > 0)
+      corners = VertexCorners(mesh.triangles, n);
   }
   if (options.domain) {
     cut_off(*options.domain, on_cap, mesh, x);
@@ -167,7 +168,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     // so that these are nearest.
     const bool far_fewer = options.triangles > 0 && fine > kFarFewer * mesh.triangles.size();
     place_again(placement, options, far_fewer, mesh, x);
-    if (options.creases) turn_edges_to_creases(placement, x, mesh.triangles);
+    if (options.creases) turn_edges_to_creases(placement, x, mesh.normals, mesh.triangles);
   } else if (options.balance) {
     balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);
   }
