@@ -35,8 +35,16 @@ void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cel
   const auto& begin = tree.level(level).begin;
   std::array<SampleRange, 27> ranges;
   std::size_t n = 0;
-  for (const std::int32_t cell : cells)
-    if (cell >= 0) ranges[n++] = {begin[static_cast<std::size_t>(cell)], begin[static_cast<std::size_t>(cell) + 1]};
+  for (const std::int32_t cell : cells) {
+    if (cell < 0) continue;
+    const auto k = static_cast<std::size_t>(cell);
+    // Cells that follow each other on the Morton curve make one range, in larger vectors; a stride starts in each cell.
+    if (n > 0 && stride == 1 && ranges[n - 1].last == begin[k]) {
+      ranges[n - 1].last = begin[k + 1];
+    } else {
+      ranges[n++] = {begin[k], begin[k + 1]};
+    }
+  }
   ball.gather(tree.positions(), tree.normals(), std::span(ranges).first(n), c, radius, stride);
 }
 

@@ -290,8 +290,8 @@ void SumRoughlyT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
         r2 = pn::MulAdd(quarter, hn::Set(d, o.area[k]), r2);
       }
       const V root = pn::ReciprocalSqrt(hn::Max(r2, least));
-      const V along = pn::MulAdd(x, hn::Set(d, o.ax[k]),
-                                 pn::MulAdd(y, hn::Set(d, o.ay[k]), hn::Mul(z, hn::Set(d, o.az[k]))));
+      const V along =
+          pn::MulAdd(x, hn::Set(d, o.ax[k]), pn::MulAdd(y, hn::Set(d, o.ay[k]), hn::Mul(z, hn::Set(d, o.az[k]))));
       sum = pn::MulAdd(hn::Mul(share, along), hn::Mul(root, hn::Mul(root, root)), sum);
     }
   }

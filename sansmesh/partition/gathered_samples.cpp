@@ -1,4 +1,4 @@
-// Kernels of four lanes on every instruction set, without fused multiply-add: equal sums everywhere.
+// Kernels of eight lanes on every instruction set, without fused multiply-add: equal sums everywhere.
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/gathered_samples.cpp"
@@ -18,52 +18,52 @@ namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F4 = hn::CappedTag<float, GatheredSamples::kLanes>;
-using U4 = hn::Rebind<std::uint32_t, F4>;
-using V4 = hn::Vec<F4>;
+using F8 = hn::CappedTag<float, GatheredSamples::kLanes>;
+using U8 = hn::Rebind<std::uint32_t, F8>;
+using V8 = hn::Vec<F8>;
 
-HWY_INLINE V4 Dot(V4 x, V4 y, V4 z, const Vec3f& a) {
-  const F4 d;
+HWY_INLINE V8 Dot(V8 x, V8 y, V8 z, const Vec3f& a) {
+  const F8 d;
   return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, a.x)), hn::Mul(y, hn::Set(d, a.y))), hn::Mul(z, hn::Set(d, a.z)));
 }
 
-HWY_INLINE V4 Square(V4 x, V4 y, V4 z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
+HWY_INLINE V8 Square(V8 x, V8 y, V8 z) { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); }
 
-/// A sum in four parts on every instruction set, of which sample i belongs to part i mod 4.
+/// A sum in eight parts on every instruction set, of which sample i belongs to part i mod 8.
 struct PartialSum {
-  V4 part[GatheredSamples::kLanes];
+  V8 part[GatheredSamples::kLanes];
   PartialSum() {
-    for (V4& p : part) p = hn::Zero(F4());
+    for (V8& p : part) p = hn::Zero(F8());
   }
-  void add(std::size_t i, V4 v) {
-    V4& p = part[i % GatheredSamples::kLanes / hn::Lanes(F4())];
+  void add(std::size_t i, V8 v) {
+    V8& p = part[i % GatheredSamples::kLanes / hn::Lanes(F8())];
     p = hn::Add(p, v);
   }
   float total() const {
     HWY_ALIGN float lane[GatheredSamples::kLanes];
-    for (std::size_t i = 0; i < GatheredSamples::kLanes; i += hn::Lanes(F4()))
-      hn::Store(part[i / hn::Lanes(F4())], F4(), lane + i);
-    return (lane[0] + lane[2]) + (lane[1] + lane[3]);
+    for (std::size_t i = 0; i < GatheredSamples::kLanes; i += hn::Lanes(F8()))
+      hn::Store(part[i / hn::Lanes(F8())], F8(), lane + i);
+    return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
   }
 };
 
 /// Appends the samples of one range, of whose array `readable` samples may be read.
 HWY_INLINE void GatherRange(const float* positions, const float* normals, SampleRange range, std::size_t readable,
                             const Vec3f& center, float limit, GatheredSamples& ball) {
-  const F4 d;
-  const U4 du;
-  const V4 cx = hn::Set(d, center.x), cy = hn::Set(d, center.y), cz = hn::Set(d, center.z), most = hn::Set(d, limit);
+  const F8 d;
+  const U8 du;
+  const V8 cx = hn::Set(d, center.x), cy = hn::Set(d, center.y), cz = hn::Set(d, center.z), most = hn::Set(d, limit);
   std::size_t n = ball.size();
   std::uint32_t i = range.first;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   for (; i < range.last && i + lanes <= readable; i += lanes) {
-    V4 x, y, z;
+    V8 x, y, z;
     hn::LoadInterleaved3(d, positions + 3 * static_cast<std::size_t>(i), x, y, z);
     x = hn::Sub(x, cx), y = hn::Sub(y, cy), z = hn::Sub(z, cz);
     auto in = hn::Lt(Square(x, y, z), most);
     if (range.last - i < lanes) in = hn::And(in, hn::FirstN(d, range.last - i));
     if (hn::AllFalse(d, in)) continue;
-    V4 nx, ny, nz;
+    V8 nx, ny, nz;
     hn::LoadInterleaved3(d, normals + 3 * static_cast<std::size_t>(i), nx, ny, nz);
     hn::StoreU(hn::Compress(x, in), d, ball.row(0) + n);
     hn::StoreU(hn::Compress(y, in), d, ball.row(1) + n);
@@ -98,15 +98,15 @@ void GatherRanges(const float* positions, const float* normals, const SampleRang
 }
 
 void SumBall(const GatheredSamples& ball, float inverse, BallSums& sums) {
-  const F4 d;
-  const V4 one = hn::Set(d, 1.0f), scale = hn::Set(d, inverse);
+  const F8 d;
+  const V8 one = hn::Set(d, 1.0f), scale = hn::Set(d, inverse);
   PartialSum sum[7];
   for (std::size_t i = 0; i < ball.size(); i += hn::Lanes(d)) {
-    const V4 offset[3] = {hn::LoadU(d, ball.position(0) + i), hn::LoadU(d, ball.position(1) + i),
+    const V8 offset[3] = {hn::LoadU(d, ball.position(0) + i), hn::LoadU(d, ball.position(1) + i),
                           hn::LoadU(d, ball.position(2) + i)};
-    const V4 t = hn::Mul(Square(offset[0], offset[1], offset[2]), scale), rest = hn::Sub(one, t);
+    const V8 t = hn::Mul(Square(offset[0], offset[1], offset[2]), scale), rest = hn::Sub(one, t);
     const auto inside = hn::Lt(t, one);
-    const V4 w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
+    const V8 w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
     for (std::size_t a = 0; a < 3; ++a) {
       sum[a].add(i, hn::Mul(hn::LoadU(d, ball.normal(a) + i), w));
       sum[3 + a].add(i, hn::IfThenElseZero(inside, hn::Mul(offset[a], w)));
@@ -119,26 +119,26 @@ void SumBall(const GatheredSamples& ball, float inverse, BallSums& sums) {
 }
 
 void ProjectBall(const GatheredSamples& ball, const BallFrame& frame, LocalSamples* samples, BallView& view) {
-  const F4 d;
-  const V4 one = hn::Set(d, 1.0f), zero = hn::Zero(d), inverse = hn::Set(d, 1 / frame.scale);
-  const V4 square = hn::Set(d, 1 / (frame.scale * frame.scale)), stretch = hn::Set(d, frame.stretch);
-  const V4 mx = hn::Set(d, frame.middle.x), my = hn::Set(d, frame.middle.y), mz = hn::Set(d, frame.middle.z);
+  const F8 d;
+  const V8 one = hn::Set(d, 1.0f), zero = hn::Zero(d), inverse = hn::Set(d, 1 / frame.scale);
+  const V8 square = hn::Set(d, 1 / (frame.scale * frame.scale)), stretch = hn::Set(d, frame.stretch);
+  const V8 mx = hn::Set(d, frame.middle.x), my = hn::Set(d, frame.middle.y), mz = hn::Set(d, frame.middle.z);
   PartialSum kept, away, centre[2];
-  V4 least = one, lower[2] = {one, one}, upper[2] = {hn::Neg(one), hn::Neg(one)};
+  V8 least = one, lower[2] = {one, one}, upper[2] = {hn::Neg(one), hn::Neg(one)};
   std::size_t n = 0;
   for (std::size_t i = 0; i < ball.size(); i += hn::Lanes(d)) {
-    const V4 x = hn::LoadU(d, ball.position(0) + i), y = hn::LoadU(d, ball.position(1) + i),
+    const V8 x = hn::LoadU(d, ball.position(0) + i), y = hn::LoadU(d, ball.position(1) + i),
              z = hn::LoadU(d, ball.position(2) + i);
-    const V4 ox = hn::Sub(x, mx), oy = hn::Sub(y, my), oz = hn::Sub(z, mz);
-    V4 t = hn::Mul(Square(ox, oy, oz), square);
+    const V8 ox = hn::Sub(x, mx), oy = hn::Sub(y, my), oz = hn::Sub(z, mz);
+    V8 t = hn::Mul(Square(ox, oy, oz), square);
     if (frame.stretch != 0) {
-      const V4 above = hn::Mul(Dot(ox, oy, oz, frame.nu), inverse);
+      const V8 above = hn::Mul(Dot(ox, oy, oz, frame.nu), inverse);
       t = hn::Add(t, hn::Mul(stretch, hn::Mul(above, above)));
     }
     const auto inside = hn::Lt(t, one);
     if (hn::AllFalse(d, inside)) continue;
-    const V4 rest = hn::Sub(one, t), w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
-    const V4 facing = Dot(hn::LoadU(d, ball.normal(0) + i), hn::LoadU(d, ball.normal(1) + i),
+    const V8 rest = hn::Sub(one, t), w = hn::IfThenElseZero(inside, hn::Mul(rest, rest));
+    const V8 facing = Dot(hn::LoadU(d, ball.normal(0) + i), hn::LoadU(d, ball.normal(1) + i),
                           hn::LoadU(d, ball.normal(2) + i), frame.nu);
     const auto turned = hn::Lt(facing, zero);
     least = hn::Min(least, hn::IfThenElse(inside, facing, one));
@@ -146,7 +146,7 @@ void ProjectBall(const GatheredSamples& ball, const BallFrame& frame, LocalSampl
     kept.add(i, hn::IfThenElse(turned, zero, w));
     if (samples == nullptr) continue;
     const auto keep = hn::AndNot(turned, inside);
-    const V4 across[2] = {hn::Mul(Dot(x, y, z, frame.xi), inverse), hn::Mul(Dot(x, y, z, frame.eta), inverse)};
+    const V8 across[2] = {hn::Mul(Dot(x, y, z, frame.xi), inverse), hn::Mul(Dot(x, y, z, frame.eta), inverse)};
     for (std::size_t a = 0; a < 2; ++a) {
       lower[a] = hn::Min(lower[a], hn::IfThenElse(keep, across[a], lower[a]));
       upper[a] = hn::Max(upper[a], hn::IfThenElse(keep, across[a], upper[a]));

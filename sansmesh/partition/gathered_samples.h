@@ -20,7 +20,7 @@ struct SampleRange {
 /// Samples in a ball, relative to its centre. Padded to a whole number of SIMD vectors with samples at infinity.
 class GatheredSamples {
  public:
-  static constexpr std::size_t kLanes = 4;  ///< on every instruction set, so that sums are equal
+  static constexpr std::size_t kLanes = 8;  ///< on every instruction set, so that sums are equal
 
   std::size_t size() const { return size_; }
   const Vec3f& center() const { return center_; }

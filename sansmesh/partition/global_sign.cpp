@@ -96,7 +96,8 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
 void GlobalSign::rough_winding_number(std::span<const Vec3f> x, std::span<float> values) const {
   std::fill(values.begin(), values.end(), 0.0f);
   if (empty()) return;
-  winding_numbers(x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); }, values);
+  winding_numbers(
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); }, values);
 }
 
 namespace {

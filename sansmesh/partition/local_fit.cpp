@@ -20,23 +20,23 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The Gram matrix of the monomials has few distinct entries: the moments Σ weight u^a v^b up to twice the degree, at d
-// (d + 1) / 2 + b with d = a + b. Four partial sums on every target, added in one order, and no fused multiply-add,
+// (d + 1) / 2 + b with d = a + b. Eight partial sums on every target, added in one order, and no fused multiply-add,
 // whose rounding would differ from that of instruction sets without it.
 template <int Degree>
 void Accumulate(const float* u, const float* v, const float* h, const float* w, std::size_t n, double* moments,
                 double* rhs, double* squares) {
   constexpr int kM = (2 * Degree + 1) * (2 * Degree + 2) / 2;
   constexpr int kP = (Degree + 1) * (Degree + 2) / 2;
-  const hn::CappedTag<double, 4> d;
+  const hn::CappedTag<double, 8> d;
   const hn::Rebind<float, decltype(d)> df;
   using V = hn::Vec<decltype(d)>;
-  HWY_ALIGN double parts[kM + kP + 2][4];
-  for (std::size_t half = 0; half < 4; half += hn::Lanes(d)) {
+  HWY_ALIGN double parts[kM + kP + 2][8];
+  for (std::size_t begin = 0; begin < 8; begin += hn::Lanes(d)) {
     V m[kM], r[kP];
     for (V& x : m) x = hn::Zero(d);
     for (V& x : r) x = hn::Zero(d);
     V q = hn::Zero(d), w2 = hn::Zero(d);
-    for (std::size_t i = half; i < n; i += 4) {
+    for (std::size_t i = begin; i < n; i += 8) {
       const V uu = hn::PromoteTo(d, hn::LoadU(df, u + i)), vv = hn::PromoteTo(d, hn::LoadU(df, v + i)),
               hh = hn::PromoteTo(d, hn::LoadU(df, h + i)), ww = hn::PromoteTo(d, hn::LoadU(df, w + i));
       V power[2 * Degree + 1];
@@ -56,11 +56,11 @@ void Accumulate(const float* u, const float* v, const float* h, const float* w, 
         uh = hn::Mul(uh, uu);
       }
     }
-    for (int k = 0; k < kM; ++k) hn::Store(m[k], d, parts[k] + half);
-    for (int k = 0; k < kP; ++k) hn::Store(r[k], d, parts[kM + k] + half);
-    hn::Store(q, d, parts[kM + kP] + half), hn::Store(w2, d, parts[kM + kP + 1] + half);
+    for (int k = 0; k < kM; ++k) hn::Store(m[k], d, parts[k] + begin);
+    for (int k = 0; k < kP; ++k) hn::Store(r[k], d, parts[kM + k] + begin);
+    hn::Store(q, d, parts[kM + kP] + begin), hn::Store(w2, d, parts[kM + kP + 1] + begin);
   }
-  const auto total = [](const double* s) { return (s[0] + s[2]) + (s[1] + s[3]); };
+  const auto total = [](const double* s) { return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7])); };
   for (int k = 0; k < kM; ++k) moments[k] = total(parts[k]);
   for (int k = 0; k < kP; ++k) rhs[k] = total(parts[kM + k]);
   squares[0] = total(parts[kM + kP]), squares[1] = total(parts[kM + kP + 1]);

@@ -37,12 +37,12 @@ class LocalSamples {
   /// Pads to a whole number of SIMD vectors with samples of weight 0.
   void pad() {
     const std::size_t n = size_;
-    while (size_ % 4 != 0) add(0, 0, 0, 0);
+    while (size_ % 8 != 0) add(0, 0, 0, 0);
     size_ = n;
   }
 
  private:
-  static constexpr std::size_t kPadding = 8;
+  static constexpr std::size_t kPadding = 16;
   std::array<std::vector<float>, 4> data_;
   std::size_t size_ = 0;
 };

@@ -55,7 +55,8 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
       state->manner[i] = kPlain;
       return;
     }
-    const bool steep = d.slopes[i] > kSteep && is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
+    const bool steep = d.slopes[i] > kSteep && is_steep(f),
+               clean = d.report.noise < kClean * static_cast<double>(f.radius);
     state->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
   });
   if (d.paper) {

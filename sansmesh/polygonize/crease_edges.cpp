@@ -34,8 +34,8 @@ struct Bridge {
 std::vector<std::uint32_t> bent_triangles(std::span<const Vec3f> normals, std::span<const Triangle> triangles) {
   std::vector<std::uint8_t> bent(normals.size(), 0);
   for (const auto& [a, b, c] : triangles) {
-    const float least = std::min(
-        {dot(normals[a], normals[b]), dot(normals[b], normals[c]), dot(normals[c], normals[a])});
+    const float least =
+        std::min({dot(normals[a], normals[b]), dot(normals[b], normals[c]), dot(normals[c], normals[a])});
     if (least < kBentCosine) bent[a] = bent[b] = bent[c] = 1;
   }
   std::vector<std::uint32_t> found;

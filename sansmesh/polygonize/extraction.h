@@ -127,7 +127,8 @@ class Extraction {
   std::vector<float> values_;         ///< per lattice vertex
   std::vector<Vec3f> moved_;          ///< displaced positions relative to origin; empty without displacement
   std::vector<std::uint8_t> caps_;    ///< per lattice vertex
-  std::vector<std::uint8_t> sized_;   ///< per lattice vertex: whether more than the sign of its value is known; empty: all are
+  std::vector<std::uint8_t>
+      sized_;  ///< per lattice vertex: whether more than the sign of its value is known; empty: all are
 };
 
 }  // namespace sansmesh::inline v1
