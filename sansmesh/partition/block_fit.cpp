@@ -10,11 +10,6 @@ namespace {
 /// change by at most a hundredth; above, the plane is not that of the samples that face the mean normal.
 constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;
 
-void set_normal(LocalFunction& f, const Vec3f& nu) {
-  f.nu = nu;
-  tangent_frame(f.nu, f.xi, f.eta);
-}
-
 /// Projects the samples of the ball around `middle` that face the same way as f.nu into f's frame. Returns the share of
 /// the weight that faces away.
 float project(const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
@@ -25,6 +20,11 @@ float project(const Vec3f& middle, Workspace& ws, const LocalFunction& f, float 
 }
 
 }  // namespace
+
+void set_normal(LocalFunction& f, const Vec3f& nu) {
+  f.nu = nu;
+  tangent_frame(f.nu, f.xi, f.eta);
+}
 
 double coverage(const BallView& view) {
   return std::max(0.0f, view.upper[0] - view.lower[0]) * std::max(0.0f, view.upper[1] - view.lower[1]) / 3.14159265;

@@ -69,6 +69,9 @@ constexpr float kShift = 1.3f;
 /// Weight of a sample in a fit. t: squared distance from the centre of the ball over the squared radius, below 1.
 inline float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
+/// Sets the frame's axes.
+void set_normal(LocalFunction& f, const Vec3f& nu);
+
 /// Collects the samples in a ball (every stride-th) from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             GatheredSamples& ball, std::size_t stride = 1);

@@ -27,13 +27,18 @@ constexpr float kFlatCreaseCosine = 0.866f;
 /// Normals within 5° of one direction belong to no crease.
 constexpr float kAlikeCosine = 0.9962f;
 
+/// Residual below which a smooth function needs no pieces, and normals that need none.
+bool needs_no_pieces(const BlockFitter& fitter, const ScaleChoice& choice, double square, float least_cosine) {
+  return !fitter.options.sharp || least_cosine > kAlikeCosine ||
+         square <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted);
+}
+
 /// Pieces of a support with a crease; none if there is no crease, or if it does not explain the samples better than all
 /// smooth functions, including those that fail the robustness tests. `smooth`: mean square of the chosen smooth
 /// function; replaced by that of the crease, if found.
 std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoice& choice, const LocalFunction& f,
                                       double& smooth, FitWorkspace& ws) {
-  if (!fitter.options.sharp || ws.block.view.least_cosine > kAlikeCosine) return {};
-  if (smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
+  if (needs_no_pieces(fitter, choice, smooth, ws.block.view.least_cosine)) return {};
   const DegreeFits bendiest = fit_all_degrees(ws.block.samples, fitter.options.max_degree);
   const double best = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
   const std::size_t inner = ball_samples(fitter.tree, f, ws.block.ball.ids(), ws.position, ws.normal, ws.weight);
@@ -106,26 +111,18 @@ bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const Loca
   return view.away > kAnotherSheet * (view.kept + view.away);
 }
 
-}  // namespace
-
-void set_surface_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support) {
-  support.foot = f.center + f.nu * (f.coefficient[0] * f.scale);
-  support.area = f.is_constant() ? 0 : plane_area_in_cube(support.foot, f.nu, lower, edge);
-}
-
-FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FitWorkspace& ws) {
-  const SampleTree& tree = fitter.tree;
-  const auto l = static_cast<std::size_t>(leaf.level);
-  const Trial& t = choice.trials[l][leaf.cell];
+/// Fits the function of a block again, with its creases. Returns its mean square.
+double fit_again(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FitWorkspace& ws,
+                 FittedLeaf& result) {
+  const Trial& t = choice.trials[static_cast<std::size_t>(leaf.level)][leaf.cell];
   const Vec3f c = fitter.center(leaf.level, leaf.cell);
   const float radius = fitter.fit_radius(leaf.level);
   ws.walk.go(leaf.level, leaf.cell);
   if (t.reach == 1) {
-    gather(tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ball, t.stride);
+    gather(fitter.tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ball, t.stride);
   } else {
-    gather(tree, leaf.level - 1, ws.walk.parents(), c, kShift * t.reach * radius, ws.block.ball);
+    gather(fitter.tree, leaf.level - 1, ws.walk.parents(), c, kShift * t.reach * radius, ws.block.ball);
   }
-  FittedLeaf result;
   LocalFunction& f = result.function;
   const DegreeFits fits = fit_local(t.reach * radius, t.degree, ws.block, f);
   f.degree = t.degree;
@@ -134,25 +131,60 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.coverage = static_cast<float>(coverage(ws.block.view));
   support.samples = static_cast<std::uint32_t>(ws.block.samples.size());
   double square = fits.mean_square[t.degree] * f.scale * f.scale;
-  const bool noisy = noisiness(choice) > 0;
   std::vector<LocalFunction> pieces = fit_pieces(fitter, choice, f, square, ws);
   if (!pieces.empty()) {
     f = pieces[0];
     support.creased = 1;
     result.more.assign(pieces.begin() + 1, pieces.end());
-  } else if (noisy && t.reach == 1 && t.stride == 1) {
+  } else if (noisiness(choice) > 0 && t.reach == 1 && t.stride == 1) {
     const double noise = t.noise >= 0 ? t.noise : choice.variance;
     square = widen_fit(fitter, leaf, noise, fits.effective_count, square, ws, f);
   }
+  return square;
+}
+
+/// Takes the function of the trial if fit_again would find the same. Returns its mean square, or -1.
+double take_kept(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FittedLeaf& result) {
+  if (leaf.level != choice.kept_level || noisiness(choice) > 0) return -1;
+  const Trial& t = choice.trials[static_cast<std::size_t>(leaf.level)][leaf.cell];
+  const KeptFit& kept = choice.kept[leaf.cell];
+  if (kept.samples == 0 || t.degree != t.highest) return -1;
+  LocalFunction& f = result.function;
+  f.scale = t.reach * fitter.fit_radius(leaf.level);
+  const double square = kept.mean_square * f.scale * f.scale;
+  if (!needs_no_pieces(fitter, choice, square, kept.least_cosine)) return -1;
+  f.center = fitter.center(leaf.level, leaf.cell);
+  f.degree = t.degree;
+  f.coefficient = kept.coefficient;
+  set_normal(f, kept.nu);
+  result.support.coverage = kept.coverage;
+  result.support.samples = kept.samples;
+  return square;
+}
+
+}  // namespace
+
+void set_surface_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support) {
+  support.foot = f.center + f.nu * (f.coefficient[0] * f.scale);
+  support.area = f.is_constant() ? 0 : plane_area_in_cube(support.foot, f.nu, lower, edge);
+}
+
+FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FitWorkspace& ws) {
+  FittedLeaf result;
+  double square = take_kept(fitter, choice, leaf, result);
+  if (square < 0) square = fit_again(fitter, choice, leaf, ws, result);
+  LocalFunction& f = result.function;
+  Support& support = result.support;
+  const float radius = fitter.fit_radius(leaf.level);
   f.radius = fitter.support_radius(leaf.level);
   const float off = static_cast<float>(std::sqrt(square)) / radius;
   if (!fitter.options.support) f.radius *= 1 + kExactReach * std::clamp(1 - off / kInexact, 0.0f, 1.0f);
-  if (noisy && faces_another_sheet(fitter, leaf, f, ws)) f.radius = radius;
+  if (noisiness(choice) > 0 && faces_another_sheet(fitter, leaf, f, ws)) f.radius = radius;
   support.error = static_cast<float>(std::sqrt(square));
-  support.code = tree.level(leaf.level).code[leaf.cell];
+  support.code = fitter.tree.level(leaf.level).code[leaf.cell];
   support.level = static_cast<std::uint8_t>(leaf.level);
   const float h = fitter.block_edge(leaf.level);
-  set_surface_patch(f, c - Vec3f{h, h, h} * 0.5f, h, support);
+  set_surface_patch(f, fitter.center(leaf.level, leaf.cell) - Vec3f{h, h, h} * 0.5f, h, support);
   return result;
 }
 

@@ -88,6 +88,7 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
   data.basis = choice;
   const BlockFitter fitter = fitter_of(tree, data.options, choice);
   fit_leaves(fitter, choice, data, progress);
+  choice.kept = {};
   data.report.spacing = std::sqrt(data.report.area / static_cast<double>(tree.positions().size()));
   data.report.noise = std::sqrt(choice.variance);
   data.report.error = choice.accepted;

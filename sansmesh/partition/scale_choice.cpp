@@ -92,7 +92,7 @@ bool only_noise(std::span<const Trial> children) {
 }
 
 Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, NeighbourWalk& walk,
-                std::span<const Trial> children, Workspace& ws) {
+                std::span<const Trial> children, Workspace& ws, KeptFit* kept = nullptr) {
   Trial trial;
   walk.go(level, cell);
   const SampleTree::Neighbours& own = walk.own();
@@ -123,6 +123,13 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.view));
   trial.effective_count = static_cast<float>(fits.effective_count);
   record(fits, trial.highest, scale, fitter.height, trial);
+  if (kept && trial.highest > 0)
+    *kept = {f.nu,
+             monomial_coefficients(fits, trial.highest),
+             fits.mean_square[static_cast<std::size_t>(trial.highest)],
+             static_cast<float>(coverage(ws.view)),
+             ws.view.least_cosine,
+             static_cast<std::uint32_t>(ws.samples.size())};
   return trial;
 }
 
@@ -222,6 +229,9 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   for (int l = 0; l <= choice.finest; ++l) work += fitter.tree.level(l).size();
   progress.begin("fit", work);
   choice.trials.assign(levels, {});
+  // Of all blocks, tried without noise: of a part they are tried again.
+  choice.kept_level = wanted || fitter.height > 0 ? -1 : choice.finest;
+  choice.kept.assign(choice.kept_level < 0 ? 0 : fitter.tree.level(choice.finest).size(), {});
   for (std::size_t l = levels; l-- > 0;) {
     const int level = static_cast<int>(l);
     choice.trials[l].resize(fitter.tree.level(level).size());
@@ -235,7 +245,8 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
           const auto& child = fitter.tree.level(level).child;
           children = std::span(choice.trials[l + 1]).subspan(child[c], child[c + 1] - child[c]);
         }
-        choice.trials[l][c] = try_block(fitter, level, static_cast<std::uint32_t>(c), walk, children, ws);
+        KeptFit* const kept = level == choice.kept_level ? &choice.kept[c] : nullptr;
+        choice.trials[l][c] = try_block(fitter, level, static_cast<std::uint32_t>(c), walk, children, ws, kept);
       }
       progress.advance(last - first);
     });

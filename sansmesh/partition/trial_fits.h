@@ -10,7 +10,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Result of a trial fit of one block for every degree; chosen blocks are fitted again at the end.
+/// Result of a trial fit of one block for every degree.
 struct Trial {
   /// Weighted mean squared residual of degrees 1 .. (length²). That of planes is always set, except for blocks to be
   /// subdivided with `highest` below 0, where it may be -1.
@@ -34,6 +34,16 @@ struct Trial {
 };
 static_assert(sizeof(Trial) == 48);  // one per cell of every level
 
+/// The function of the highest degree of a trial. Chosen blocks need no second fit if they have this degree, no noise
+/// and no crease.
+struct KeptFit {
+  Vec3f nu;
+  std::array<float, 15> coefficient;
+  double mean_square = 0;  ///< as DegreeFits::mean_square
+  float coverage = 0, least_cosine = 1;
+  std::uint32_t samples = 0;  ///< 0: none
+};
+
 /// A block that receives a support.
 struct Leaf {
   std::uint64_t order;  ///< Morton code
@@ -44,7 +54,9 @@ struct Leaf {
 /// Trial fits of all blocks with samples, on all levels, and the resulting choices.
 struct ScaleChoice : ScaleBasis {
   std::vector<std::vector<Trial>> trials;  ///< by level and cell
-  std::vector<Leaf> leaves;                ///< in Morton order
+  std::vector<KeptFit> kept;               ///< of the cells of level `kept_level`, which has most of the blocks
+  int kept_level = -1;
+  std::vector<Leaf> leaves;  ///< in Morton order
 };
 
 }  // namespace sansmesh::inline v1
