@@ -15,6 +15,8 @@ namespace {
 
 /// Neighbours in the plan view, and number of these above and in another sheet from which a sample is hidden.
 constexpr std::size_t kPlanNeighbours = 48, kFewestAbove = 2;
+/// Consecutive samples in the order of the tree, and stride of those that are looked at first.
+constexpr std::size_t kRun = 128, kProbe = 8;
 /// Least number of samples of a smooth patch that hides others: leaves do not.
 constexpr std::uint32_t kFewestInCover = 200;
 /// Largest relation of two upward normals of different sheets.
@@ -103,19 +105,25 @@ std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
     const Vec3f& normal = graph.normals()[s];
     return normal.z < 0 ? -normal : normal;
   };
-  std::vector<std::uint8_t> hidden(n);
-  parallel_for(0, known.size(), 256, [&](std::size_t i) {
-    const std::uint32_t s = known[i];
+  const auto count_above = [&](std::uint32_t s) {
     std::array<Neighbour, kPlanNeighbours> found;
     const std::size_t count = tree.nearest(in_plan(s), found);
-    if (count == 0) return;
-    const float apart = kApart * std::sqrt(found[count - 1].squared_distance);
+    const float apart = count > 0 ? kApart * std::sqrt(found[count - 1].squared_distance) : 0;
     std::size_t above = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const std::uint32_t q = covers[found[k].index];
       above += is_above(graph.positions()[s], upward(s), graph.positions()[q], upward(q), unseen, apart);
     }
-    hidden[s] = above >= kFewestAbove;
+    return above;
+  };
+  // Most places have one sheet. Some samples of each run show which do; a region has many runs.
+  std::vector<std::uint8_t> hidden(n);
+  parallel_for(0, (known.size() + kRun - 1) / kRun, 4, [&](std::size_t run) {
+    const auto members = std::span(known).subspan(run * kRun, std::min(kRun, known.size() - run * kRun));
+    bool any = false;
+    for (std::size_t i = 0; i < members.size() && !any; i += kProbe) any = count_above(members[i]) > 0;
+    for (std::size_t i = 0; i < members.size() && any; ++i)
+      hidden[members[i]] = count_above(members[i]) >= kFewestAbove;
   });
   for (int round = 0; round < kRimRounds; ++round) extend(graph, hidden);
   hide_patches(patches, known, hidden);
