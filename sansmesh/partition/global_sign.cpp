@@ -72,32 +72,44 @@ void fill_batch(std::span<const Vec3f> x, float unit, float* ratio, FarBatch& ba
   }
 }
 
-template <class Sum>
-void winding_numbers(std::span<const Vec3f> x, float unit, const Sum& sum, std::span<float> values) {
+/// Calls sum(n, batch) for batches of n points, then take(i, batch, k) for point i, k-th in its batch.
+template <class Sum, class Take>
+void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const Take& take) {
   FarBatch batch;
   float ratio[FarBatch::kBatch];
   for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
     const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
     fill_batch(x.subspan(first, n), unit, ratio, batch);
     sum(n, batch);
-    for (std::size_t i = 0; i < n; ++i) values[first + i] = batch.sum[0][i] / (4 * std::numbers::pi_v<float>);
+    for (std::size_t i = 0; i < n; ++i) take(first + i, batch, i);
   }
 }
+
+constexpr float kWhole = 4 * std::numbers::pi_v<float>;
+/// Rough winding numbers decide if they differ by this from 1/2; rough mean distances if they exceed this share of the
+/// mean distance from the patches.
+constexpr float kClearWinding = 0.25f, kClearDistance = 0.4f;
 
 }  // namespace
 
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
   std::fill(values.begin(), values.end(), 0.0f);
   if (empty()) return;
-  const auto sum = [&](std::size_t n, FarBatch& b) { sum_sources(tree_, FarSums::winding, false, n, b); };
-  winding_numbers(x, unit_, sum, values);
+  for_each_batch(
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_sources(tree_, FarSums::winding, false, n, b); },
+      [&](std::size_t i, const FarBatch& b, std::size_t k) { values[i] = b.sum[0][k] / kWhole; });
 }
 
-void GlobalSign::rough_winding_number(std::span<const Vec3f> x, std::span<float> values) const {
-  std::fill(values.begin(), values.end(), 0.0f);
+void GlobalSign::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
+  std::fill(signs.begin(), signs.end(), 0.0f);
   if (empty()) return;
-  winding_numbers(
-      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); }, values);
+  for_each_batch(
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, open_, n, b); },
+      [&](std::size_t i, const FarBatch& b, std::size_t k) {
+        const float inward = open_ ? b.sum[0][k] : b.sum[0][k] / kWhole - 0.5f;
+        const float least = open_ ? kClearDistance * b.sum[1][k] : kClearWinding;
+        if (std::abs(inward) > least) signs[i] = inward > 0 ? -1.0f : 1.0f;
+      });
 }
 
 namespace {
@@ -182,11 +194,11 @@ void FarField::signed_distance(std::span<const Vec3f> x, std::span<float> values
 }
 
 void FarField::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
-  std::fill(signs.begin(), signs.end(), 0.0f);
-  if (closed.empty() || !open.empty()) return;
-  closed.rough_winding_number(x, signs);
-  constexpr float kClear = 0.25f;
-  for (float& s : signs) s = std::abs(s - 0.5f) < kClear ? 0.0f : s > 0.5f ? -1.0f : 1.0f;
+  if (!open.empty() && !closed.empty()) {
+    std::fill(signs.begin(), signs.end(), 0.0f);
+  } else {
+    (open.empty() ? closed : open).easy_signs(x, signs);
+  }
 }
 
 }  // namespace sansmesh::inline v1
