@@ -87,6 +87,42 @@ TEST(PartitionOfUnity, ValuesDoNotDependOnTheBatchOrTheThreads) {
   for (std::size_t i = 0; i < x.size(); i += 50) EXPECT_EQ(value_at(field, x[i]), batch[i]);
 }
 
+/// Checks evaluate_signs against evaluate at random points in a cube that is wider than the cloud. Returns the share of
+/// points of which only the sign was found.
+double check_signs(const PartitionOfUnity& field) {
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> unit(-1.5, 1.5);
+  std::vector<Vec3> x(30000);
+  for (Vec3& p : x) p = {unit(generator), unit(generator), unit(generator)};
+  std::vector<double> exact(x.size()), found(x.size());
+  std::vector<std::uint8_t> sized(x.size(), 2);
+  field.evaluate(x, exact);
+  field.evaluate_signs(x, found, sized);
+  std::size_t wrong = 0, off = 0, signs = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    wrong += (found[i] < 0) != (exact[i] < 0);
+    signs += sized[i] == 0;
+    off += sized[i] != 0 && std::abs(exact[i]) < 0.01 && std::abs(found[i] - exact[i]) > 0.1 * std::abs(exact[i]);
+    EXPECT_LE(sized[i], 1);
+  }
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_LE(off, x.size() / 1000);
+  return static_cast<double>(signs) / static_cast<double>(x.size());
+}
+
+TEST(PartitionOfUnity, SignsAreThoseOfTheValues) {
+  PartitionOptions options;
+  EXPECT_GT(check_signs(fit_cloud(test::torus(20000), options)), 0.5);
+  // A ball with a wide hole, closed by the far field alone; and the same as an open sheet.
+  PointSet bowl = test::sphere(20000), kept;
+  for (std::size_t i = 0; i < bowl.size(); ++i)
+    if (bowl.positions[i].z < 0.5f) kept.positions.push_back(bowl.positions[i]), kept.normals.push_back(bowl.normals[i]);
+  options.open = false;
+  EXPECT_GT(check_signs(fit_cloud(kept, options)), 0.5);
+  options.open = true;
+  EXPECT_GT(check_signs(fit_cloud(kept, options)), 0.3);
+}
+
 TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
   const double noise = 0.01;
   const PartitionOfUnity field = fit_cloud(test::sphere(40000, noise));

@@ -50,9 +50,12 @@ TEST(CreaseEdges, TurnsTheDiagonalOfAFoldedSquare) {
   const FormulaField roof([](const Vec3& x) { return x.z + std::abs(x.x + x.y - 1); }, kCube);
   const std::vector<Vec3> x{{0, 0, -1}, {1, 0, 0}, {1, 1, -1}, {0, 1, 0}, {2, -1, 0}, {-1, 2, 0}};
   std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 5}, {3, 2, 5}};
-  EXPECT_EQ(turn_edges_to_creases(roof, x, triangles), 1u);
+  // Normals of the roof's faces, one on either side, and in between at its ridge.
+  const Vec3f left = normalized(Vec3f{-1, -1, 1}), right = normalized(Vec3f{1, 1, 1}), up{0, 0, 1};
+  const std::vector<Vec3f> normals{left, up, right, up, up, up};
+  EXPECT_EQ(turn_edges_to_creases(roof, x, normals, triangles), 1u);
   for (const Triangle& t : triangles) EXPECT_FALSE(std::ranges::count(t, 0u) > 0 && std::ranges::count(t, 2u) > 0);
-  EXPECT_EQ(turn_edges_to_creases(roof, x, triangles), 0u);
+  EXPECT_EQ(turn_edges_to_creases(roof, x, normals, triangles), 0u);
 }
 
 }  // namespace
