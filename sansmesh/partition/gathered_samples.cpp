@@ -168,6 +168,44 @@ void ProjectBall(const GatheredSamples& ball, const BallFrame& frame, LocalSampl
   if (view.kept > 0) view.eccentricity = std::hypot(centre[0].total(), centre[1].total()) / view.kept;
 }
 
+/// Σ w r² over Σ w; axes[a]: axis a of the function, in the samples' frame and its unit.
+template <int kDegree>
+double MeanSquare(const LocalSamples& samples, const Vec3f (&axes)[3], const float* c) {
+  const F8 d;
+  PartialSum squares, weights;
+  for (std::size_t i = 0; i < samples.size(); i += hn::Lanes(d)) {
+    const V8 x = hn::LoadU(d, samples.u() + i), y = hn::LoadU(d, samples.v() + i), z = hn::LoadU(d, samples.w() + i);
+    const V8 u = Dot(x, y, z, axes[0]), v = Dot(x, y, z, axes[1]);
+    V8 g = hn::Set(d, c[0]);
+    V8 power[kDegree + 1];  // of degree k: uᵏ, uᵏ⁻¹ v, …, vᵏ
+    power[0] = hn::Set(d, 1.0f);
+    for (std::size_t k = 1, at = 1; k <= kDegree; ++k) {
+      power[k] = hn::Mul(power[k - 1], v);
+      for (std::size_t j = 0; j < k; ++j) power[j] = hn::Mul(power[j], u);
+      for (std::size_t j = 0; j <= k; ++j) g = hn::Add(g, hn::Mul(hn::Set(d, c[at++]), power[j]));
+    }
+    const V8 r = hn::Sub(Dot(x, y, z, axes[2]), g), w = hn::LoadU(d, samples.weight() + i);
+    squares.add(i, hn::Mul(w, hn::Mul(r, r)));
+    weights.add(i, w);
+  }
+  return static_cast<double>(squares.total()) / static_cast<double>(weights.total());
+}
+
+double MeanSquareOfDegree(int degree, const LocalSamples& samples, const Vec3f (&axes)[3], const float* c) {
+  switch (degree) {
+    case 1:
+      return MeanSquare<1>(samples, axes, c);
+    case 2:
+      return MeanSquare<2>(samples, axes, c);
+    case 3:
+      return MeanSquare<3>(samples, axes, c);
+    case 4:
+      return MeanSquare<4>(samples, axes, c);
+    default:
+      return MeanSquare<0>(samples, axes, c);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace sansmesh::inline v1
 HWY_AFTER_NAMESPACE();
@@ -177,6 +215,7 @@ namespace sansmesh::inline v1 {
 HWY_EXPORT(GatherRanges);
 HWY_EXPORT(SumBall);
 HWY_EXPORT(ProjectBall);
+HWY_EXPORT(MeanSquareOfDegree);
 
 void GatheredSamples::reserve(std::size_t n) {
   if (n + kLanes <= ids_.size()) return;
@@ -219,6 +258,17 @@ BallView project_ball(const GatheredSamples& ball, const BallFrame& frame, Local
   samples.reserve(ball.padded());
   HWY_DYNAMIC_DISPATCH(ProjectBall)(ball, frame, &samples, view);
   return view;
+}
+
+double mean_square_of(LocalSamples& samples, const LocalFunction& own, const LocalFunction& other) {
+  samples.pad();
+  const float ratio = own.scale / other.scale;
+  const auto turned = [&](const Vec3f& axis) {
+    return Vec3f{dot(axis, own.xi), dot(axis, own.eta), dot(axis, own.nu)} * ratio;
+  };
+  const Vec3f axes[3] = {turned(other.xi), turned(other.eta), turned(other.nu)};
+  const double square = HWY_DYNAMIC_DISPATCH(MeanSquareOfDegree)(other.degree, samples, axes, other.coefficient.data());
+  return square * other.scale * other.scale;
 }
 
 BallView weigh_ball(const GatheredSamples& ball, float radius, const Vec3f& nu) {

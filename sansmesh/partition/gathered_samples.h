@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/partition/local_fit.h"
+#include "sansmesh/partition/local_function.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -75,6 +76,10 @@ struct BallView {
 
 /// Replaces `samples` by those in the ball that face nu: in the frame's axes around the centre, divided by the scale.
 BallView project_ball(const GatheredSamples& ball, const BallFrame& frame, LocalSamples& samples);
+
+/// Weighted mean square of the distances of samples in the frame of `own` from a function with the same centre. Pads
+/// the samples.
+double mean_square_of(LocalSamples& samples, const LocalFunction& own, const LocalFunction& other);
 
 /// The weights alone, in a ball around the centre.
 BallView weigh_ball(const GatheredSamples& ball, float radius, const Vec3f& nu);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/global_sign.h"
@@ -57,21 +58,7 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
 /// workspace, beyond that of noise by the difference of freedom. Replaces f, and returns its mean square.
 double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, double count, double square,
                  FitWorkspace& ws, LocalFunction& f) {
-  const LocalSamples& samples = ws.block.samples;
-  ws.position.clear(), ws.weight.clear();
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    ws.position.push_back(f.center +
-                          (f.xi * samples.u()[i] + f.eta * samples.v()[i] + f.nu * samples.w()[i]) * f.scale);
-    ws.weight.push_back(samples.weight()[i]);
-  }
-  const auto left_over = [&](const LocalFunction& g) {
-    double sum = 0, n = 0;
-    for (std::size_t i = 0; i < ws.position.size(); ++i) {
-      const double r = local_value(g, ws.position[i]);
-      sum += ws.weight[i] * r * r, n += ws.weight[i];
-    }
-    return sum / n;
-  };
+  std::swap(ws.narrow, ws.block.samples);
   const LocalFunction narrow = f;
   const double own = square, freedom = kFreedom[static_cast<std::size_t>(narrow.degree)] / count;
   double risk = noise * freedom;
@@ -91,7 +78,7 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
       if (noise * taken >= kSteadier * risk) break;  // higher degrees take more
       wide.degree = d;
       wide.coefficient = monomial_coefficients(fits, d);
-      const double bias = left_over(wide) - own - kForgiven * noise * (freedom - taken);
+      const double bias = mean_square_of(ws.narrow, narrow, wide) - own - kForgiven * noise * (freedom - taken);
       const double expected = std::max(bias, 0.0) + noise * taken;
       if (expected >= kSteadier * risk) continue;
       risk = expected, f = wide, better = true;

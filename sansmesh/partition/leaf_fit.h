@@ -20,6 +20,7 @@ struct FitWorkspace {
   explicit FitWorkspace(const SampleTree& tree) : walk(tree) {}
   NeighbourWalk walk;
   Workspace block;
+  LocalSamples narrow;  ///< samples of a fit that wider ones are compared with
   std::vector<Vec3f> position, normal;
   std::vector<float> weight;
 };

@@ -116,7 +116,8 @@ TEST(PartitionOfUnity, SignsAreThoseOfTheValues) {
   // A ball with a wide hole, closed by the far field alone; and the same as an open sheet.
   PointSet bowl = test::sphere(20000), kept;
   for (std::size_t i = 0; i < bowl.size(); ++i)
-    if (bowl.positions[i].z < 0.5f) kept.positions.push_back(bowl.positions[i]), kept.normals.push_back(bowl.normals[i]);
+    if (bowl.positions[i].z < 0.5f)
+      kept.positions.push_back(bowl.positions[i]), kept.normals.push_back(bowl.normals[i]);
   options.open = false;
   EXPECT_GT(check_signs(fit_cloud(kept, options)), 0.5);
   options.open = true;
