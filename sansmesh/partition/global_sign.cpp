@@ -88,7 +88,7 @@ void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const 
 constexpr float kWhole = 4 * std::numbers::pi_v<float>;
 /// Rough winding numbers decide if they differ by this from 1/2; rough mean distances if they exceed this share of the
 /// mean distance from the patches.
-constexpr float kClearWinding = 0.25f, kClearDistance = 0.4f;
+constexpr float kClearWinding = 0.25f, kClearDistance = 0.65f;
 
 }  // namespace
 
