@@ -57,12 +57,13 @@ std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3
     return normalized(cross(x[b] - x[a], x[c] - x[a]));
   };
   std::size_t turned = 0;
+  std::vector<std::uint8_t> open(surface.triangles(), 1);  // triangles whose edges may have become bridges
   for (int round = 0; round < kMostRounds; ++round) {
     std::vector<std::uint32_t> asked;
     std::vector<Vec3> middles;
     for (std::uint32_t h = 0; h < 3 * surface.triangles(); ++h) {
       const std::uint32_t g = surface.twin(h);
-      if (g == EditableSurface::kNone || g < h) continue;
+      if (g == EditableSurface::kNone || g < h || !(open[h / 3] | open[g / 3])) continue;
       const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
       const Vec3 left = normal_of(a, b, c), right = normal_of(b, a, d);
       const Vec3 new_left = normal_of(a, d, c), new_right = normal_of(d, b, c);
@@ -88,10 +89,15 @@ std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3
     });
     // The worst first; edges beside a flipped one wait for the next round.
     std::vector<std::uint8_t> touched(surface.triangles(), 0);
+    std::fill(open.begin(), open.end(), std::uint8_t{0});
     std::size_t now = 0;
     for (const Bridge& bridge : bridges) {
-      const std::uint32_t t = bridge.half_edge / 3, u = surface.twin(bridge.half_edge) / 3;
-      if (touched[t] || touched[u] || !surface.can_flip(bridge.half_edge)) continue;
+      const std::uint32_t t = bridge.half_edge / 3;
+      open[t] = 1;
+      if (touched[t]) continue;  // this half-edge may be another one now
+      const std::uint32_t u = surface.twin(bridge.half_edge) / 3;
+      open[u] = 1;
+      if (touched[u] || !surface.can_flip(bridge.half_edge)) continue;
       touched[t] = touched[u] = 1;
       surface.flip(bridge.half_edge);
       ++now;
