@@ -48,6 +48,10 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
     radii[i] = d.functions[i].radius * kRim;
   }
   state->tree = BallTree(centers, radii);
+  std::size_t creased = 0;
+  for (std::size_t i = 0; i < d.supports.size(); ++i)
+    if (d.supports[i].creased) centers[creased] = centers[i], radii[creased++] = radii[i];
+  state->creased = BallTree(std::span(centers).first(creased), std::span(radii).first(creased));
   state->manner.resize(d.functions.size());
   parallel_for(0, state->manner.size(), 8192, [&](std::size_t i) {
     const LocalFunction& f = d.functions[i];
@@ -92,6 +96,15 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
 void PartitionOfUnity::evaluate_signs(std::span<const Vec3> x, std::span<double> values,
                                       std::span<std::uint8_t> sized) const {
   evaluate_partition(*state_, x, values, {}, sized);
+}
+void PartitionOfUnity::find_creases(std::span<const Vec3> x, std::span<std::uint8_t> near) const {
+  parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3f p(x[i] - state_->data.origin);
+      near[i] = !state_->creased.touching({p, p}, 0, found);
+    }
+  });
 }
 void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   partition_ranges(*state_, x, radius, found);

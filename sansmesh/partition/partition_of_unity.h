@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/sign_field.h"
+#include "sansmesh/field/field_hints.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
@@ -15,7 +15,7 @@ namespace sansmesh::inline v1 {
 
 struct PartitionState;
 
-class PartitionOfUnity : public ScalarField, public SignField {
+class PartitionOfUnity : public ScalarField, public SignField, public CreaseField {
  public:
   /// Function described by the data. They are not checked: `PartitionData::validate` checks those of a file.
   explicit PartitionOfUnity(PartitionData data);
@@ -23,6 +23,8 @@ class PartitionOfUnity : public ScalarField, public SignField {
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void evaluate_signs(std::span<const Vec3> x, std::span<double> values, std::span<std::uint8_t> sized) const override;
+  /// In the balls of supports with a crease.
+  void find_creases(std::span<const Vec3> x, std::span<std::uint8_t> near) const override;
 
   /// Bounds from proven slopes of the local functions (PartitionData::slopes), the weights, and a measured slope of the
   /// far field; widened for rounding. Where neighbouring functions agree, the width is a few slopes times the radius;

@@ -34,6 +34,7 @@ struct PartitionState {
   PartitionData data;
   float full = kFadeWeight;          ///< weight above which the far field has no share
   BallTree tree;                     ///< tree of the supports
+  BallTree creased;                  ///< tree of those with a crease
   std::vector<std::uint8_t> manner;  ///< for each function: kNormalised | kClose, derived from the data
   FarField far;                      ///< field outside all supports
 };

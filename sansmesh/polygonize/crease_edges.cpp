@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/field/field_hints.h"
 #include "sansmesh/polygonize/editable_surface.h"
 
 namespace sansmesh::inline v1 {
@@ -29,15 +29,31 @@ struct Bridge {
   double gain;
 };
 
-/// The triangles around those over which the normals of the surface turn by more than half the angle of a bridge: a
-/// bridge has a vertex on either side of the crease. Their flips concern no others.
-std::vector<std::uint32_t> bent_triangles(std::span<const Vec3f> normals, std::span<const Triangle> triangles) {
+/// Marks the vertices where the surface may have a crease.
+std::vector<std::uint8_t> vertices_at_creases(const ScalarField& field, std::span<const Vec3> x,
+                                              std::span<const Vec3f> normals, std::span<const Triangle> triangles) {
+  // A bridge has a vertex on either side of the crease: the normals of the surface turn over its triangles.
   std::vector<std::uint8_t> bent(normals.size(), 0);
   for (const auto& [a, b, c] : triangles) {
     const float least =
         std::min({dot(normals[a], normals[b]), dot(normals[b], normals[c]), dot(normals[c], normals[a])});
     if (least < kBentCosine) bent[a] = bent[b] = bent[c] = 1;
   }
+  const auto* const creases = dynamic_cast<const CreaseField*>(&field);
+  if (!creases) return bent;
+  std::vector<std::uint32_t> list;
+  for (std::uint32_t v = 0; v < bent.size(); ++v)
+    if (bent[v]) list.push_back(v);
+  std::vector<Vec3> at(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) at[i] = x[list[i]];
+  std::vector<std::uint8_t> near(list.size());
+  creases->find_creases(at, near);
+  for (std::size_t i = 0; i < list.size(); ++i) bent[list[i]] = near[i];
+  return bent;
+}
+
+/// The triangles around these vertices. Flips of edges among them concern no others.
+std::vector<std::uint32_t> bent_triangles(std::span<const std::uint8_t> bent, std::span<const Triangle> triangles) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     if (bent[triangles[t][0]] | bent[triangles[t][1]] | bent[triangles[t][2]]) found.push_back(t);
@@ -48,7 +64,7 @@ std::vector<std::uint32_t> bent_triangles(std::span<const Vec3f> normals, std::s
 
 std::size_t turn_edges_to_creases(const ScalarField& field, std::span<const Vec3> x, std::span<const Vec3f> normals,
                                   std::vector<Triangle>& triangles) {
-  const std::vector<std::uint32_t> near = bent_triangles(normals, triangles);
+  const std::vector<std::uint32_t> near = bent_triangles(vertices_at_creases(field, x, normals, triangles), triangles);
   if (near.empty()) return 0;
   std::vector<Triangle> part(near.size());
   for (std::size_t i = 0; i < near.size(); ++i) part[i] = triangles[near[i]];

@@ -9,7 +9,7 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/field/sign_field.h"
+#include "sansmesh/field/field_hints.h"
 
 namespace sansmesh::inline v1 {
 namespace {
