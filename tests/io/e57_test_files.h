@@ -43,6 +43,7 @@ struct E57TestScan {
   std::vector<E57TestField> fields;
   std::string xml = {};               ///< further elements: name, pose, limits
   std::size_t bytes_per_stream = 64;  ///< of a packet; numbers of any size continue in the next one
+  bool with_other_packets = true;     ///< an index and an empty packet, too
 };
 
 inline std::uint32_t slow_crc32c(const std::string& bytes) {
@@ -96,15 +97,16 @@ inline std::string e57_pages(std::string content) {
   return file;
 }
 
-/// A whole file. `xml` holds further elements of the root.
-inline std::string e57_file(const std::vector<E57TestScan>& scans, const std::string& xml = "") {
+/// A whole file. `xml` holds further elements of the root, `pictures` those of images2D.
+inline std::string e57_file(const std::vector<E57TestScan>& scans, const std::string& xml = "",
+                            const std::string& pictures = "") {
   std::string content(48, '\0');
   std::string described;
   for (const E57TestScan& scan : scans) {
     const std::uint64_t start = content.size();
     std::string section;
     // An index packet, which readers skip.
-    section += std::string("\0\0\x0f\0", 4) + std::string(12, '\0');
+    if (scan.with_other_packets) section += std::string("\0\0\x0f\0", 4) + std::string(12, '\0');
     std::vector<std::string> streams;
     std::size_t longest = 0;
     for (const E57TestField& field : scan.fields) {
@@ -116,7 +118,7 @@ inline std::string e57_file(const std::vector<E57TestScan>& scans, const std::st
       for (const std::string& stream : streams)
         parts.push_back(at < stream.size() ? stream.substr(at, scan.bytes_per_stream) : std::string());
       section += e57_packet(parts);
-      if (at == 0) section += std::string("\2\0\7\0\0\0\0\0", 8);  // an empty packet
+      if (at == 0 && scan.with_other_packets) section += std::string("\2\0\7\0\0\0\0\0", 8);  // an empty packet
     }
     content.append("\1\0\0\0\0\0\0\0", 8);
     append_raw(content, static_cast<std::uint64_t>(section.size() + 32));
@@ -137,7 +139,8 @@ inline std::string e57_file(const std::vector<E57TestScan>& scans, const std::st
       "<formatName type=\"String\"><![CDATA[ASTM E57 3D Imaging Data File]]></formatName>"
       "<guid type=\"String\"><![CDATA[{test}]]></guid><versionMajor type=\"Integer\">1</versionMajor>"
       "<versionMinor type=\"Integer\">0</versionMinor>" +
-      xml + "<data3D type=\"Vector\" allowHeterogeneousChildren=\"1\">" + described + "</data3D></e57Root>";
+      xml + "<data3D type=\"Vector\" allowHeterogeneousChildren=\"1\">" + described +
+      "</data3D><images2D type=\"Vector\" allowHeterogeneousChildren=\"1\">" + pictures + "</images2D></e57Root>";
   std::string header = "ASTM-E57";
   append_raw(header, std::uint32_t{1});
   append_raw(header, std::uint32_t{0});
