@@ -17,7 +17,7 @@ using Reader = PointSet (*)(const io::Input&);
 
 static std::vector<Reader> all_readers() {
   std::vector<Reader> all = {io::read_ply, io::read_obj, io::read_off, io::read_stl, io::read_table,
-                             io::read_pcd, io::read_las, io::read_vtp, io::read_glb, io::read_e57};
+                             io::read_pcd, io::read_las, io::read_vtp, io::read_glb};
   for (const FormatInfo* const format : formats())
     if (format->id == FormatId::added && format->read_points) all.push_back(format->read_points);
   return all;
