@@ -9,6 +9,7 @@
 #include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/io/points/merge_points.h"
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
@@ -82,8 +83,9 @@ PolylineSet read_lines(const std::string& file) {
   return format && format->id == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
-PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {
-  if (files.empty()) throw ArgumentError("read_merged: no files");
+PointSet read_merged(const std::vector<std::string>& names, ReadReport* report) {
+  if (names.empty()) throw ArgumentError("read_merged: no files");
+  const std::vector<std::string> files = io::list_cloud_files(names);
   if (files.size() == 1) return read_points(files[0], report);
   ReadReport own;
   ReadReport& all = report ? *report : own;

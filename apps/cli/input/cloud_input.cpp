@@ -6,6 +6,7 @@
 #include "cli/line/option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface_function.h"
 
@@ -47,9 +48,10 @@ bool CloudInput::is_function() const {
 
 PointSet CloudInput::read(Console& console, ReadReport& report) const {
   console.progress().begin("read");
-  PointSet points = read_merged(files, &report);
-  if (files.size() == 1)
-    console.warn(files[0], report.warnings);
+  const std::vector<std::string> all = io::list_cloud_files(files);
+  PointSet points = read_merged(all, &report);
+  if (all.size() == 1)
+    console.warn(all[0], report.warnings);
   else
     console.warn(report.warnings);
   if (classes) {
