@@ -18,6 +18,7 @@ struct Input {
   std::optional<Vec3> origin =
       {};  ///< prescribed origin of the cloud, shared with other clouds; default: chosen for this cloud
   double smallest_extent = 0;  ///< least extent of a cloud of distinct points; checked if the origin is chosen
+  ReadOptions options = {};
 
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// Message: "truncated: 1,234 bytes are missing".
