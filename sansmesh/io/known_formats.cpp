@@ -151,7 +151,7 @@ constexpr FormatInfo kFormats[] = {
      "is a function, not points or a mesh: a mesh can be made of it"},
     {FormatId::fitted_volume, "fitted volume", "smv", kVolume, {{{"smv", kVolume}}}},
     {FormatId::png, "PNG", "png", 0, {{{"png", kPicture}}}, {}, "is a picture"},
-    {FormatId::e57, "E57", "e57", 0, {}, {}, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
+    {.id = FormatId::e57, .name = "E57", .endings = "e57", .reads = kSamples, .read_points = io::read_e57},
     {FormatId::scene, "scene", "fbx dae 3ds 3mf usd usdz", 0, {}, {}, kConvertMesh},
     {FormatId::archive, "archive", "pcap rcp rcs ptx zip 7z xz bz2 zst rar", 0, {}, {}, kUnpackOrConvert},
 };
