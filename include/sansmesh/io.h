@@ -11,6 +11,7 @@
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/image.h"
+#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
@@ -30,9 +31,11 @@ struct ReadReport {
 struct ReadOptions {
   /// Only points in this box, in the coordinates of the file. Readers of LAS, LAZ and COPC apply it while they read.
   std::optional<Box3> box = {};
-  /// COPC: the least distance of neighbouring points that is needed, in the unit of the file. Finer levels of the
-  /// octree are left out; 0: none. Other formats have no levels.
-  double resolution = 0;
+  /// COPC: the distance of neighbouring points that is needed, in the unit of the file. Levels of the octree beyond the
+  /// first with at most this distance are left out. Other formats have no levels; a warning states that.
+  std::optional<double> resolution = {};
+
+  static const OptionSchema& schema();  ///< one row per field
 };
 
 /// Reads the points of a PLY, OBJ, OFF, STL, GLB or glTF, XYZ/CSV/TXT/PWN, PCD, LAS, LAZ (also COPC) or VTP file, or of

@@ -67,13 +67,15 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
     in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
   }
   PointSet points = format->read_points(in);
+  if (!format->selects) in.warn_without_levels();
   if (options.box && !format->selects) keep_box(points, *options.box);
   return points;
 }
 
 void check_options(const ReadOptions& options) {
   if (options.box && options.box->empty()) throw ArgumentError("the box of points to read is empty");
-  if (!(options.resolution >= 0)) throw ArgumentError("the resolution of points to read must be at least 0");
+  if (options.resolution && !(*options.resolution > 0))
+    throw ArgumentError("the resolution of points to read must be greater than 0");
 }
 
 [[noreturn]] void fail_empty_box(const std::string& file, const Box3& box) {

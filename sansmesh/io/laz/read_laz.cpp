@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/io/laz/copc.h"
 #include "sansmesh/io/laz/layered_chunk.h"
 #include "sansmesh/io/laz/pointwise_chunk.h"
 #include "sansmesh/io/points/las_points.h"
@@ -117,6 +118,9 @@ RecordBuffer read_chunks(const Input& in, const LasHeader& header, const LazLayo
 RecordBuffer read_laz_records(const Input& in, const LasHeader& header) {
   const LazLayout layout = read_laz_layout(in, header);
   check_size(in, header.count, header.record);
+  if (const auto copc = find_copc_info(header); copc && (in.options.box || in.options.resolution))
+    return read_chunks(in, header, layout, find_copc_chunks(in, header, *copc));
+  in.warn_without_levels();
   const ChunkTable table = read_chunk_table(in, header, layout);
   if (table.is_sequence) return read_sequence(in, header, layout, table.chunks[0]);
   return read_chunks(in, header, layout, table.chunks);

@@ -30,6 +30,7 @@ PointSet read_las(const Input& in) {
     return records.empty() ? PointSet{} : decode_las_points(in, header, records);
   };
   if (header.compressed) return points_of(laz::read_laz_records(in, header).span());
+  in.warn_without_levels();
   const std::span<const char> all(in.bytes.data() + header.begin, header.count * header.record);
   if (in.options.box) return points_of(las_records_in(header, *in.options.box, all));
   return points_of(all);

@@ -108,8 +108,25 @@ struct LasScale {
   Box3 box;  ///< box of the written points
 };
 
-/// A decimal step below the resolution of the cloud's floats: less than a quarter of the difference of adjacent floats
-/// at its edge. 2^31 steps then reach far beyond the cloud.
+/// Whether all coordinates are multiples of a step, up to the rounding of the cloud's floats.
+bool is_on_grid(const PointSet& points, const Vec3& offset, double step) {
+  return parallel_reduce(
+      points.size(), 1 << 15, true,
+      [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t k = 0; k < 3; ++k) {
+            const double p = static_cast<double>(points.positions[i][k]), x = points.origin[k] + p;
+            const double rounding = std::abs(p) * 0x1p-24 + std::abs(x) * 0x1p-50;
+            if (std::abs(std::remainder(x - offset[k], step)) > rounding) return false;
+          }
+        return true;
+      },
+      [](bool a, bool b) { return a && b; });
+}
+
+/// The largest decimal step of which all coordinates are multiples, as in most surveys: their integers stay as they
+/// were, and compress well. Otherwise a step below the resolution of the cloud's floats: less than a quarter of the
+/// difference of adjacent floats at its edge. 2^31 steps reach far beyond the cloud.
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
@@ -123,9 +140,12 @@ LasScale las_scale(const PointSet& points) {
     farthest = std::max({farthest, std::abs(s.box.upper[k]), std::abs(s.box.lower[k])});
   }
   extent = std::max(extent, farthest * 1e-9);
-  if (extent > 0) s.step = power_of_ten(index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300));
-  const double coarse = s.step * 1e7;
+  const int finest = extent > 0 ? index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300) : -3;
+  const double coarse = power_of_ten(finest) * 1e7;
   for (std::size_t k = 0; k < 3; ++k) s.offset[k] = std::round(s.box.center()[k] / coarse) * coarse;
+  int power = finest + 7;
+  while (power > finest && !is_on_grid(points, s.offset, power_of_ten(power))) --power;
+  s.step = power_of_ten(power);
   return s;
 }
 
