@@ -27,6 +27,7 @@ enum class FormatId : std::uint8_t {
   vtp,
   pcd,
   las,
+  laz,
   csv,
   table,
   conf,
@@ -56,7 +57,6 @@ enum class FormatId : std::uint8_t {
   // Pictures.
   png,
   // Recognised only to explain what to do with them.
-  laz,
   e57,
   scene,
   archive,
@@ -98,6 +98,7 @@ struct FormatInfo {
   std::string_view remedy = {};  ///< advice for files that cannot be read
   /// Reads points and meshes; null if the format has no such reader.
   PointSet (*read_points)(const io::Input& in) = nullptr;
+  bool selects = false;  ///< `read_points` applies the box of `in.options` itself; its result may be empty
   // Null if the format does not hold the content. Arrays have the right lengths, and triangles refer to existing
   // vertices.
   FileParts (*write_mesh)(const TriangleMesh& mesh, const WriteOptions& options) = nullptr;

@@ -45,8 +45,11 @@ std::string format_group(const std::string& file) {
   return format->id == FormatId::laz ? "LAS" : std::string(format->name);
 }
 
-std::vector<std::string> files_of_folder(const std::string& folder) {
-  std::map<std::string, std::vector<std::string>> by_format;
+using FilesByFormat = std::map<std::string, std::vector<std::string>>;
+
+/// Clouds and meshes of a folder.
+FilesByFormat clouds_in(const std::string& folder) {
+  FilesByFormat by_format;
   std::error_code error;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
@@ -57,17 +60,22 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   if (error) throw FileError(folder, "cannot be listed (" + error.message() + ")");
   if (by_format.size() > 1) by_format.erase("text");
+  return by_format;
+}
+
+std::vector<std::string> files_of_folder(const std::string& folder) {
+  FilesByFormat by_format = clouds_in(folder);
   if (by_format.empty())
     throw FileError(folder, "is a folder without points or meshes (" + listed_endings(endings_read(kPoints)) + ")");
   if (by_format.size() > 1) {
     std::string held;
-    for (const auto& [format, files] : by_format)
+    const std::vector<std::string>* most = nullptr;
+    for (const auto& [format, files] : by_format) {
       held += fmt::format("{}{} {}", held.empty() ? "" : ", ", grouped(files.size()), format);
-    const std::string& one = std::max_element(by_format.begin(), by_format.end(), [](const auto& a, const auto& b) {
-                               return a.second.size() < b.second.size();
-                             })->second[0];
+      if (!most || files.size() > most->size()) most = &files;
+    }
     throw FileError(folder, fmt::format("is a folder with files of several formats ({}); a pattern selects some: '{}'",
-                                        held, (fs::path(folder) / ("*." + ending(one))).string()));
+                                        held, (fs::path(folder) / ("*." + ending((*most)[0]))).string()));
   }
   std::vector<std::string>& files = by_format.begin()->second;
   std::sort(files.begin(), files.end());
@@ -157,6 +165,16 @@ std::vector<std::string> files_of_list(const std::string& list) {
 }
 
 }  // namespace
+
+bool is_cloud_folder(const std::string& name) {
+  if (!is_folder(name)) return false;
+  try {
+    const FilesByFormat files = clouds_in(name);
+    return !files.empty() && !files.contains("text");
+  } catch (const FileError&) {
+    return false;
+  }
+}
 
 std::vector<std::string> list_cloud_files(const std::vector<std::string>& names) {
   std::vector<std::string> all;

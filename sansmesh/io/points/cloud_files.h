@@ -17,4 +17,7 @@ namespace sansmesh::inline v1::io {
 /// Other names stay unchanged. Throws FileError if a name has no files.
 std::vector<std::string> list_cloud_files(const std::vector<std::string>& names);
 
+/// Whether a name is a folder with clouds or meshes.
+bool is_cloud_folder(const std::string& name);
+
 }  // namespace sansmesh::inline v1::io

@@ -213,7 +213,26 @@ void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) 
   in.warn(fmt::format("{} of {} points are flagged as withheld and were left out", grouped(lost), grouped(r.count)));
 }
 
+Vec3 record_position(const LasHeader& header, const char* record) {
+  Vec3 p;
+  for (std::size_t k = 0; k < 3; ++k) p[k] = header.scale[k] * load<std::int32_t>(record + 4 * k) + header.offset[k];
+  return p;
+}
+
 }  // namespace
+
+void keep_records_in(const LasHeader& header, const Box3& box, std::span<const char> records, std::vector<char>& kept) {
+  for (std::size_t i = 0; i + header.record <= records.size(); i += header.record) {
+    const char* const record = records.data() + i;
+    if (box.contains(record_position(header, record))) kept.insert(kept.end(), record, record + header.record);
+  }
+}
+
+bool any_record_in(const LasHeader& header, const Box3& box, std::span<const char> records) {
+  for (std::size_t i = 0; i + header.record <= records.size(); i += header.record)
+    if (box.contains(record_position(header, records.data() + i))) return true;
+  return false;
+}
 
 PointSet decode_las_points(const Input& in, const LasHeader& header, std::span<const char> bytes) {
   const std::size_t n = bytes.size() / header.record;

@@ -1,10 +1,15 @@
 #include "sansmesh/io/points/merge_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <string_view>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io/binary.h"
+#include "sansmesh/io/points/assemble_points.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -85,7 +90,50 @@ AttributeTable join(const std::vector<std::string>& files, const std::vector<Poi
   return all;
 }
 
+/// Box of a LAS or LAZ file of any version, as its header states it.
+std::optional<Box3> stated_box(const std::string& file) {
+  constexpr std::size_t bytes = 227, at = 179;
+  char header[bytes];
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(header, bytes) || std::string_view(header, 4) != "LASF") return std::nullopt;
+  Box3 box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.upper[k] = load<double>(header + at + 16 * k);
+    box.lower[k] = load<double>(header + at + 16 * k + 8);
+    if (!(box.lower[k] <= box.upper[k]) || !std::isfinite(box.upper[k] - box.lower[k])) return std::nullopt;
+  }
+  return box;
+}
+
 }  // namespace
+
+std::optional<Vec3> stated_origin(const std::vector<std::string>& files) {
+  Box3 all;
+  for (const std::string& file : files) {
+    const std::optional<Box3> box = stated_box(file);
+    if (!box) return std::nullopt;
+    all.extend(box->lower), all.extend(box->upper);
+  }
+  return choose_origin(all);
+}
+
+Vec3 common_origin(std::span<const PointSet> parts) {
+  std::size_t n = 0;
+  for (const PointSet& part : parts) n += part.size();
+  // The selection of store_positions in a file with all points.
+  const std::size_t step = 1 + n / (1 << 16);
+  std::vector<Vec3> some;
+  Box3 box;
+  std::size_t first = 0;
+  for (const PointSet& part : parts) {
+    const Box3f own = bounds(part);
+    box.extend(part.origin + Vec3(own.lower)), box.extend(part.origin + Vec3(own.upper));
+    for (std::size_t i = (step - first % step) % step; i < part.size(); i += step)
+      some.push_back(part.origin + Vec3(part.positions[i]));
+    first += part.size();
+  }
+  return choose_origin(box, some);
+}
 
 PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report) {
   std::vector<std::size_t> points(parts.size()), triangles(parts.size());
