@@ -4,6 +4,7 @@
 // renamed.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct ReadReport {
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
   /// Contents of the file that the data cannot hold, each listed once: "texture coordinates".
   std::vector<std::string> unread;
+  /// Reference system that the file, or a .prj file beside it, states; null if unknown.
+  std::shared_ptr<const ReferenceSystem> reference;
 };
 
 /// The part of a cloud to read.

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
@@ -14,12 +15,16 @@
 #include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/io/points/merge_points.h"
 #include "sansmesh/io/readers.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 using io::Input;
+
+/// Relative difference of horizontal and vertical units that distorts shapes. The two feet differ by 2e-6.
+constexpr double kDistortion = 1e-4;
 
 std::string known_endings() {
   std::string known;
@@ -36,6 +41,17 @@ const FormatInfo* format_of_points(std::string_view bytes) {
 [[noreturn]] void fail_reading(const Input& in, const FormatInfo& format) {
   if (!format.remedy.empty()) in.fail(std::string(format.remedy));
   in.fail(fmt::format("holds a volume ({}), not points or a mesh", format.name));
+}
+
+/// Coordinates are used as they are: units that differ distort shapes.
+void warn_of_units(const Input& in, const ReferenceSystem& system) {
+  if (system.unit == "degree")
+    in.warn("its coordinates are angles in degrees: distances and shapes are wrong until they are projected");
+  else if (system.metres > 0 && system.vertical_metres > 0 &&
+           std::abs(system.metres / system.vertical_metres - 1) > kDistortion)
+    in.warn(
+        fmt::format("its heights are in another unit ({}) than its horizontal coordinates ({}): shapes are distorted",
+                    system.vertical_unit, system.unit));
 }
 
 /// Removes the points that are not in the box.
@@ -69,6 +85,9 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   }
   PointSet points = format->read_points(in);
   if (!format->selects) in.warn_without_levels();
+  if (!points.reference && points.size() > 0) points.reference = io::system_beside(in);
+  report.reference = points.reference;
+  if (points.reference) warn_of_units(in, *points.reference);
   if (options.box && !format->selects) keep_box(points, *options.box);
   return points;
 }
@@ -162,7 +181,9 @@ PointSet read_merged(const std::vector<std::string>& names, ReadReport* report, 
   ReadReport own;
   ReadReport& all = report ? *report : own;
   all = std::move(read.report);
-  return io::merge_points(read.files, std::move(read.parts), all);
+  PointSet merged = io::merge_points(read.files, std::move(read.parts), all);
+  all.reference = merged.reference;
+  return merged;
 }
 
 TriangleMesh read_mesh(const std::string& file, ReadReport* report) {

@@ -5,6 +5,7 @@
 #include "cli/line/command_line.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/points/cloud_files.h"
@@ -57,6 +58,7 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
     console.warn(all[0], report.warnings);
   else
     console.warn(report.warnings);
+  if (names_system && report.reference) console.print(fmt::format("{}: {}", name(), system_words(*report.reference)));
   if (classes) {
     const std::size_t given = points.size();
     try {

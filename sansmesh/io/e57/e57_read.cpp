@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/e57/e57_scans.h"
 #include "sansmesh/io/points/assemble_points.h"
@@ -291,6 +292,8 @@ class E57Reader {
     for (const Vec3& eye : eyes_) all_.scanners.push_back(Vec3f(eye - all_.origin));
     drop_invalid();
     finish(in_, all_);
+    all_.reference = system_of_text(content_.reference_system);
+    if (!all_.reference && !content_.reference_system.empty()) in_.unread("a reference system that is no WKT");
     return std::move(all_);
   }
 

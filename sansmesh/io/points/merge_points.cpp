@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/points/assemble_points.h"
@@ -105,6 +106,28 @@ std::optional<Box3> stated_box(const std::string& file) {
   return box;
 }
 
+/// The common reference system. Throws FileError if two files state different ones.
+SharedSystem join_systems(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
+                          ReadReport& report) {
+  const auto states = [](const PointSet& part) { return part.reference != nullptr; };
+  const auto known = static_cast<std::size_t>(std::find_if(parts.begin(), parts.end(), states) - parts.begin());
+  if (known == parts.size()) return nullptr;
+  std::size_t unknown = 0, first_unknown = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (!parts[k].reference && unknown++ == 0) first_unknown = k;
+    if (!may_be_equal(parts[known].reference.get(), parts[k].reference.get()))
+      throw FileError(files[k], "its reference system is " + system_words(*parts[k].reference) + ", and that of " +
+                                    printable(files[known], 200) + " is " + system_words(*parts[known].reference) +
+                                    ": they cannot be read as one");
+  }
+  if (unknown > 0)
+    report.warnings.push_back(printable(files[first_unknown], 200) +
+                              (unknown > 1 ? " and " + grouped(unknown - 1) + " more state" : ": states") +
+                              " no reference system: that of the other files is assumed, " +
+                              system_words(*parts[known].reference));
+  return parts[known].reference;
+}
+
 }  // namespace
 
 std::optional<Vec3> stated_origin(const std::vector<std::string>& files) {
@@ -147,6 +170,7 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
   }
   PointSet all;
   all.origin = parts[0].origin;
+  all.reference = join_systems(files, parts, report);
   all.attributes = join(files, parts, &PointSet::attributes, points, report);
   all.triangle_attributes = join(files, parts, &PointSet::triangle_attributes, triangles, report);
   number_scans(files, points, parts, all, report);
