@@ -190,8 +190,8 @@ struct SANSMESH_API CloudOrMesh {
 
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool vertices_only = false;           ///< uses only the vertices of a mesh
-  std::string unit = {};                ///< unit of the input's lengths, for UnitStep
+  bool vertices_only = false;  ///< uses only the vertices of a mesh
+  std::string unit = {};       ///< unit of the input's lengths, for UnitStep; default: that of its reference system
   std::vector<ConvertStep> steps = {};  ///< steps in order
 
   static const OptionSchema& schema();  ///< option rows, one per field
