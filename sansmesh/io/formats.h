@@ -105,6 +105,7 @@ struct FormatInfo {
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
   FormatCapacity mesh_capacity = FormatCapacity::all, points_capacity = FormatCapacity::all;
+  bool holds_system = false;  ///< has records for reference systems
   /// For formats without a FormatId: whether the first bytes of a file identify the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 

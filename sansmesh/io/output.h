@@ -71,6 +71,7 @@ struct OutputContent {
   const AttributeTable& attributes;
   const std::vector<Triangle>& triangles;
   const AttributeTable& triangle_attributes;
+  const ReferenceSystem* reference = nullptr;  ///< null if unknown
 };
 
 /// Converts stored positions to output coordinates: world = origin + position.

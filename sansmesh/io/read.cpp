@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
@@ -11,14 +12,19 @@
 #include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/io/points/merge_points.h"
 #include "sansmesh/io/readers.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 using io::Input;
+
+/// Relative difference of horizontal and vertical units that distorts shapes. The two feet differ by 2e-6.
+constexpr double kDistortion = 1e-4;
 
 std::string known_endings() {
   std::string known;
@@ -35,6 +41,17 @@ const FormatInfo* format_of_points(std::string_view bytes) {
 [[noreturn]] void fail_reading(const Input& in, const FormatInfo& format) {
   if (!format.remedy.empty()) in.fail(std::string(format.remedy));
   in.fail(fmt::format("holds a volume ({}), not points or a mesh", format.name));
+}
+
+/// Coordinates are used as they are: units that differ distort shapes.
+void warn_of_units(const Input& in, const ReferenceSystem& system) {
+  if (system.unit == "degree")
+    in.warn("its coordinates are angles in degrees: distances and shapes are wrong until they are projected");
+  else if (system.metres > 0 && system.vertical_metres > 0 &&
+           std::abs(system.metres / system.vertical_metres - 1) > kDistortion)
+    in.warn(
+        fmt::format("its heights are in another unit ({}) than its horizontal coordinates ({}): shapes are distorted",
+                    system.vertical_unit, system.unit));
 }
 
 /// Removes the points that are not in the box.
@@ -68,6 +85,9 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   }
   PointSet points = format->read_points(in);
   if (!format->selects) in.warn_without_levels();
+  if (!points.reference && points.size() > 0) points.reference = io::system_beside(in);
+  report.reference = points.reference;
+  if (points.reference) warn_of_units(in, *points.reference);
   if (options.box && !format->selects) keep_box(points, *options.box);
   return points;
 }
@@ -110,39 +130,60 @@ PolylineSet read_lines(const std::string& file) {
   return format && format->id == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
-PointSet read_merged(const std::vector<std::string>& files, ReadReport* report, const ReadOptions& options) {
-  if (files.empty()) throw ArgumentError("read_merged: no files");
-  if (files.size() == 1) return read_points(files[0], report, options);
-  check_options(options);
-  ReadReport own;
-  ReadReport& all = report ? *report : own;
-  all = {};
+namespace {
+
+/// Clouds of several files about one origin, without those that have no points in the box.
+struct PartsOfFiles {
   std::vector<PointSet> parts;
-  std::vector<std::string> used;
+  std::vector<std::string> files;
+  ReadReport report;
+};
+
+PartsOfFiles read_parts(const std::vector<std::string>& files, std::optional<Vec3> origin, const ReadOptions& options) {
+  PartsOfFiles read;
   std::string formats;
   for (const std::string& file : files) {
     ReadReport of_file;
-    std::optional<Vec3> origin;
-    if (!parts.empty()) origin = parts[0].origin;
-    parts.push_back(read_any(file, of_file, origin, kSmallestExtent, options));
-    if (parts.back().size() == 0 && options.box) {
-      parts.pop_back();
-      continue;
-    }
-    used.push_back(file);
-    if (parts.back().triangles.empty() != parts[0].triangles.empty()) {
-      const bool mesh = parts[0].triangles.empty();
-      throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(used[0], 200) +
+    PointSet part = read_any(file, of_file, origin, kSmallestExtent, options);
+    if (part.size() == 0 && options.box) continue;
+    if (!origin) origin = part.origin;
+    read.parts.push_back(std::move(part)), read.files.push_back(file);
+    const PointSet &first = read.parts[0], &last = read.parts.back();
+    if (last.triangles.empty() != first.triangles.empty()) {
+      const bool mesh = first.triangles.empty();
+      throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(read.files[0], 200) +
                                 (mesh ? " none" : " does") + ": points and meshes cannot be read as one");
     }
+    ReadReport& all = read.report;
     for (const std::string& w : of_file.warnings) all.warnings.push_back(printable(file, 200) + ": " + w);
     for (const std::string& what : of_file.unread)
       if (std::find(all.unread.begin(), all.unread.end(), what) == all.unread.end()) all.unread.push_back(what);
     if (formats.find(of_file.format) == std::string::npos) formats += (formats.empty() ? "" : ", ") + of_file.format;
   }
-  if (parts.empty()) fail_empty_box(files[0] + " and the other files", *options.box);
-  all.format = fmt::format("{} files, {}", used.size(), formats);
-  return io::merge_points(used, std::move(parts), all);
+  if (read.parts.empty()) fail_empty_box(files[0] + " and the other files", *options.box);
+  read.report.format = fmt::format("{} files, {}", read.files.size(), formats);
+  return read;
+}
+
+}  // namespace
+
+PointSet read_merged(const std::vector<std::string>& names, ReadReport* report, const ReadOptions& options) {
+  if (names.empty()) throw ArgumentError("read_merged: no files");
+  const std::vector<std::string> files = io::list_cloud_files(names);
+  if (files.size() == 1) return read_points(files[0], report, options);
+  check_options(options);
+  PartsOfFiles read = read_parts(files, io::stated_origin(files), options);
+  // The origin of the whole cloud is known only now, unless the files' headers state their boxes.
+  if (const Vec3 origin = io::common_origin(read.parts); origin != read.parts[0].origin) {
+    read = {};
+    read = read_parts(files, origin, options);
+  }
+  ReadReport own;
+  ReadReport& all = report ? *report : own;
+  all = std::move(read.report);
+  PointSet merged = io::merge_points(read.files, std::move(read.parts), all);
+  all.reference = merged.reference;
+  return merged;
 }
 
 TriangleMesh read_mesh(const std::string& file, ReadReport* report) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
@@ -170,6 +171,10 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
         {.code = "nonmanifold_weld",
          .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
                              counted(data.nonmanifold_edges_of_weld, "edge"))});
+  if (data.former_reference)
+    result.notes.push_back({.code = "moved_coordinates",
+                            .text = "moved coordinates are no longer in the reference system of the input (" +
+                                    system_words(*data.former_reference) + "), which was left out"});
   if (!data.untransformed.empty())
     result.notes.push_back({.code = "unturned",
                             .text = fmt::format("attributes of three numbers are not rotated: {}",

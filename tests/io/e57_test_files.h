@@ -41,9 +41,10 @@ struct E57TestField {
 
 struct E57TestScan {
   std::vector<E57TestField> fields;
-  std::string xml = {};               ///< further elements: name, pose, limits
-  std::size_t bytes_per_stream = 64;  ///< of a packet; numbers of any size continue in the next one
-  bool with_other_packets = true;     ///< an index and an empty packet, too
+  std::string xml = {};  ///< further elements: name, pose, limits
+  std::size_t bytes_per_stream =
+      64;                          ///< bytes of a stream in each packet; numbers of any size continue in the next one
+  bool with_other_packets = true;  ///< an index and an empty packet, too
 };
 
 inline std::uint32_t slow_crc32c(const std::string& bytes) {

@@ -3,9 +3,8 @@
 
 #include <random>
 
+#include "compress_las.h"
 #include "io_test_tools.h"
-#include "sansmesh/io/laz/laz_layout.h"
-#include "sansmesh/io/laz/write_laz.h"
 #include "support/las_file.h"
 
 namespace sansmesh::test {
@@ -74,17 +73,8 @@ inline std::string las_with_records(unsigned minor, unsigned format, const std::
   put(105, static_cast<std::uint16_t>(length));
   if (format < 6) put(107, static_cast<std::uint32_t>(n));
   if (minor >= 4) put(247, std::uint64_t{n});
-  if (!packed) return file + records;
-  io::laz::LazLayout layout = io::laz::laz_layout(format, length);
-  layout.chunk_points = chunk_points;
-  file += io::laz::laz_vlr(layout);
-  put(96, static_cast<std::uint32_t>(file.size())), put(100, std::uint32_t{1});
-  file[104] = static_cast<char>(format | 0x80);
-  const auto copy = [&](std::size_t first, std::size_t last, char* p) {
-    std::memcpy(p, records.data() + first * length, (last - first) * length);
-  };
-  for (const std::string& part : io::laz::laz_points(layout, n, file.size(), copy)) file += part;
-  return file;
+  file += records;
+  return packed ? compress_las(file, chunk_points) : file;
 }
 
 }  // namespace sansmesh::test

@@ -5,8 +5,10 @@
 #include "cli/line/command_line.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface_function.h"
 
@@ -50,11 +52,13 @@ bool CloudInput::is_function() const {
 
 PointSet CloudInput::read(Console& console, ReadReport& report) const {
   console.progress().begin("read");
-  PointSet points = read_merged(files, &report, part);
-  if (files.size() == 1)
-    console.warn(files[0], report.warnings);
+  const std::vector<std::string> all = io::list_cloud_files(files);
+  PointSet points = read_merged(all, &report, part);
+  if (all.size() == 1)
+    console.warn(all[0], report.warnings);
   else
     console.warn(report.warnings);
+  if (names_system && report.reference) console.print(fmt::format("{}: {}", name(), system_words(*report.reference)));
   if (classes) {
     const std::size_t given = points.size();
     try {

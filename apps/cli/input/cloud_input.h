@@ -22,13 +22,16 @@ struct CloudInput {
   std::vector<std::string> files;       ///< not empty after parsing
   std::string with, without;            ///< values of --class and --without-class
   std::optional<PointClasses> classes;  ///< derived from these
+  bool names_system = true;             ///< prints the reference system and unit of the files, if known
   ReadOptions part;                     ///< the part of the files to read
 
   /// "a.las", "a.las and 2 other files"
   std::string name() const;
   ReadFiles report() const { return {files}; }
   /// Also reports what was read.
-  ReadCloud report(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
+  ReadCloud report(const ReadReport& read, std::size_t points) const {
+    return {{files}, read.format, points, read.reference};
+  }
   /// True for a function file, false for a cloud. Throws ArgumentError if points of a function were selected.
   bool is_function() const;
   /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/e57/e57_scans.h"
 #include "sansmesh/io/points/assemble_points.h"
@@ -173,10 +174,11 @@ class E57Reader {
     const std::uint64_t height = static_cast<std::uint64_t>(*bottom) - static_cast<std::uint64_t>(*top) + 1,
                         width = static_cast<std::uint64_t>(*right) - static_cast<std::uint64_t>(*left) + 1;
     if (height < 2 || width < 2 || height > kCellsPerSample * n || width > kCellsPerSample * n / height) return false;
+    const bool has_states = invalid_.size() == world_.size();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     std::vector<Vec3f> grid(static_cast<std::size_t>(height * width), Vec3f{nan, nan, nan});
     for (std::size_t i = 0; i < n; ++i) {
-      if (i < invalid_.size() && invalid_[invalid_.size() - n + i] != 0) continue;
+      if (has_states && invalid_[world_.size() - n + i] != 0) continue;
       const std::uint64_t cell =
           static_cast<std::uint64_t>(rows[i] - *top) * width + static_cast<std::uint64_t>(columns[i] - *left);
       grid[static_cast<std::size_t>(cell)] = Vec3f(world[i] - eye);
@@ -291,6 +293,8 @@ class E57Reader {
     for (const Vec3& eye : eyes_) all_.scanners.push_back(Vec3f(eye - all_.origin));
     drop_invalid();
     finish(in_, all_);
+    all_.reference = system_of_text(content_.reference_system);
+    if (!all_.reference && !content_.reference_system.empty()) in_.unread("a reference system that is no WKT");
     return std::move(all_);
   }
 
@@ -334,7 +338,7 @@ class E57Reader {
   std::vector<std::uint8_t> invalid_;  ///< shorter than world_ if no further scan has invalid points
   std::vector<std::size_t> sizes_;     ///< records of each scan
   std::vector<Vec3> eyes_;             ///< known scanner positions
-  std::vector<bool> eye_known_;        ///< of each scan
+  std::vector<bool> eye_known_;        ///< a value per scan
   std::vector<AttributeTable> tables_;
   std::size_t colors_ = 0, normals_ = 0;  ///< scans that have them
 };

@@ -185,13 +185,7 @@ ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
 }
 
 /// Reports data that a cloud cannot hold.
-void report_skipped_of_las(const Input& in, const LasHeader& header, const LasRecords& r) {
-  for (const LasVlr& vlr : header.vlrs) {
-    if (vlr.user == "LASF_Projection") {
-      in.unread("the coordinate reference system");
-      break;
-    }
-  }
+void report_skipped_of_las(const Input& in, const LasRecords& r) {
   if (r.format == 4 || r.format == 5 || r.format >= 9) in.unread("waveforms");
   const std::size_t first = r.wide() ? 15 : 14;
   unsigned bits = 0, flags = 0;
@@ -256,7 +250,7 @@ PointSet decode_las_points(const Input& in, const LasHeader& header, std::span<c
   if (black) points.colors.clear();
   points.attributes = las_attributes(records);
   add_extras(in, find_extras(in, header, records, kLasRecordBytes[header.format]), n, points.attributes);
-  report_skipped_of_las(in, header, records);
+  report_skipped_of_las(in, records);
   if (depth == ColorDepth::words) in.unread("the lower 8 of the 16 bits of colours");
   leave_out_withheld(in, records, points);
   finish(in, points);

@@ -4,6 +4,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/laz/read_laz.h"
 #include "sansmesh/io/points/las_points.h"
+#include "sansmesh/io/points/las_reference.h"
 #include "sansmesh/io/readers.h"
 
 namespace sansmesh::inline v1::io {
@@ -27,7 +28,9 @@ std::vector<char> las_records_in(const LasHeader& header, const Box3& box, std::
 PointSet read_las(const Input& in) {
   const LasHeader header = read_las_header(in);
   const auto points_of = [&](std::span<const char> records) {
-    return records.empty() ? PointSet{} : decode_las_points(in, header, records);
+    PointSet points = records.empty() ? PointSet{} : decode_las_points(in, header, records);
+    points.reference = las_reference(header);
+    return points;
   };
   if (header.compressed) return points_of(laz::read_laz_records(in, header).span());
   in.warn_without_levels();

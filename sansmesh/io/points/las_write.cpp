@@ -9,6 +9,7 @@
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/laz/write_laz.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/las_reference.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -212,21 +213,27 @@ LasLayout las_layout(const PointSet& points) {
 }
 
 /// The header with the descriptions of extra bytes.
-std::string las_header(const LasLayout& l, std::size_t n) {
+std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem* reference) {
   const LasFields& f = l.fields;
   const LasScale& scale = l.scale;
   std::string header(l.wide ? 375 : 227, '\0');
-  const std::string described = describe_extras(l.extras);
+  std::string described = describe_extras(l.extras);
+  const std::vector<std::string> system =
+      reference ? las_reference_records(*reference, l.wide) : std::vector<std::string>();
+  for (const std::string& record : system) described += record;
+  // The wide formats require the bit for WKT, unless only GeoTIFF keys are known.
+  const bool is_wkt = l.wide && (!reference || system.empty() || !wkt_of(*reference).empty());
   header.replace(0, 4, "LASF");
   header[24] = 1, header[25] = l.wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
   // Times outside of a week are adjusted standard times, which are negative before September 2011.
   bool beyond = false;
   for (std::size_t i = 0; f.time && i < n; ++i) beyond |= !(f.time->number(i) >= 0 && f.time->number(i) <= 7 * 86400);
-  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (l.wide ? 16 : 0)));
+  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (is_wkt ? 16 : 0)));
   put_at(header, 94, static_cast<std::uint16_t>(header.size()));
   put_at(header, 96, static_cast<std::uint32_t>(header.size() + described.size()));
-  put_at(header, 100, static_cast<std::uint32_t>((l.extras.size() + kMostDescribed - 1) / kMostDescribed));
+  put_at(header, 100,
+         static_cast<std::uint32_t>((l.extras.size() + kMostDescribed - 1) / kMostDescribed + system.size()));
   header[104] = static_cast<char>(l.format);
   put_at(header, 105, static_cast<std::uint16_t>(l.record));
   std::array<std::uint64_t, 16> of_return{};
@@ -292,7 +299,7 @@ char* put_las_record(const LasLayout& l, const PointSet& points, std::size_t i, 
 
 std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions&) {
   const LasLayout l = las_layout(points);
-  std::vector<std::string> parts{las_header(l, points.size())};
+  std::vector<std::string> parts{las_header(l, points.size(), points.reference.get())};
   append_rows(parts, points.size(), l.record, [&](std::size_t i, char* p) { return put_las_record(l, points, i, p); });
   return parts;
 }
@@ -300,7 +307,7 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
 std::vector<std::string> points_to_laz(const PointSet& points, const WriteOptions&) {
   const LasLayout l = las_layout(points);
   const laz::LazLayout packed = laz::laz_layout(l.format, l.record);
-  std::vector<std::string> parts{las_header(l, points.size()) + laz::laz_vlr(packed)};
+  std::vector<std::string> parts{las_header(l, points.size(), points.reference.get()) + laz::laz_vlr(packed)};
   std::string& header = parts[0];
   header[104] = static_cast<char>(l.format | 0x80);
   put_at(header, 96, static_cast<std::uint32_t>(header.size()));
