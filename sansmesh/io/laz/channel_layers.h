@@ -29,6 +29,7 @@ struct PointStep {
   std::uint8_t time_changed : 1;
   std::uint8_t angle_changed : 1;
   std::uint8_t source_changed : 1;
+  std::uint8_t channel_changed : 1;
   std::uint8_t level;      ///< return_level
   std::uint8_t z_context;  ///< from the sizes of the steps in x and y
 };
@@ -73,24 +74,27 @@ bool is_damaged(const Coder& coder) {
 
 /// Calls code(model, last, record, step) for all points but the first. `model` is that of the point's channel; at the
 /// first point of a channel, start(model, previous record, model of the previous record or null) initialises it. `last`
-/// is the model that holds the last point. False if the bytes of a decoder are damaged.
-template <class Model, class Coder, class Bytes, class Start, class Code>
+/// is the model that holds the last point. False if the bytes of a decoder are damaged. `attached`: layers of colours,
+/// wave packets and extra bytes, which have the defects of version 3 (layered_chunk.h).
+template <class Model, bool attached = false, class Coder, class Bytes, class Start, class Code>
 bool code_layer(Coder& coder, const LayerRecords<Bytes>& r, const std::vector<PointStep>& steps, Start&& start,
                 Code&& code) {
   std::array<std::unique_ptr<Model>, 4> models;
   unsigned channel = steps[0].channel;
   models[channel] = std::make_unique<Model>();
   start(*models[channel], r.first, nullptr);
+  const bool defective = attached && !r.fixed_channels;
   for (std::size_t i = 1; i < r.count; ++i) {
     Model* last = models[channel].get();
-    if (steps[i].channel != channel) {
-      channel = steps[i].channel;
+    const unsigned next = !defective || steps[i].channel_changed ? steps[i].channel : 0;
+    if (next != channel) {
+      channel = next;
       const bool is_new = !models[channel];
       if (is_new) {
         models[channel] = std::make_unique<Model>();
         start(*models[channel], r.at(i - 1), last);
       }
-      if (is_new || r.fixed_channels) last = models[channel].get();
+      if (is_new || !defective) last = models[channel].get();
     }
     code(*models[channel], *last, r.at(i), steps[i]);
     if (i % 1024 == 0 && is_damaged(coder)) return false;
@@ -237,7 +241,7 @@ bool code_rgb(Coder& coder, const LayerRecords<Bytes>& r, const std::vector<Poin
   const auto start = [offset](Model& m, const char* previous, const Model* from) {
     m.last = from ? from->last : load<Rgb>(previous + offset);
   };
-  return code_layer<Model>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
+  return code_layer<Model, true>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
     Rgb rgb = given<Coder, Rgb>(p + offset);
     m.rgb.code(coder, last.last, rgb);
     last.last = rgb;
@@ -256,7 +260,7 @@ bool code_infrared(Coder& coder, const LayerRecords<Bytes>& r, const std::vector
   const auto start = [offset](Model& m, const char* previous, const Model* from) {
     m.last = from ? from->last : load<std::uint16_t>(previous + offset);
   };
-  return code_layer<Model>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
+  return code_layer<Model, true>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
     const auto v = given<Coder, std::uint16_t>(p + offset);
     const unsigned d = v ^ last.last;
     const unsigned changed = coder.symbol(m.changed, ((d & 255u) != 0) | (d >> 8 != 0) << 1);
@@ -281,7 +285,7 @@ bool code_wave(Coder& coder, const LayerRecords<Bytes>& r, const std::vector<Poi
   const auto start = [offset](Model& m, const char* previous, const Model* from) {
     std::memcpy(m.last.data(), from ? from->last.data() : previous + offset, WaveModel::kBytes);
   };
-  return code_layer<Model>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
+  return code_layer<Model, true>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
     m.wave.code(coder, last.last.data(), p + offset);
     std::memcpy(last.last.data(), p + offset, WaveModel::kBytes);
   });
@@ -297,7 +301,7 @@ bool code_byte(Coder& coder, const LayerRecords<Bytes>& r, const std::vector<Poi
   const auto start = [offset](Model& m, const char* previous, const Model* from) {
     m.last = from ? from->last : load<std::uint8_t>(previous + offset);
   };
-  return code_layer<Model>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
+  return code_layer<Model, true>(coder, r, steps, start, [&](Model& m, Model& last, Bytes* p, const PointStep&) {
     const int d = given<Coder, std::uint8_t>(p + offset) - last.last;
     last.last = low_byte(last.last + static_cast<int>(coder.symbol(m.difference, low_byte(d))));
     give<Coder>(p + offset, last.last);
@@ -421,8 +425,8 @@ bool code_returns_and_xy(Coder& coder, const LayerRecords<Bytes>& r, std::vector
     if ((changed & 3) == 2) m->number = (m->number + 15) & 15u;
     PointStep& step = steps[i];
     step.channel = static_cast<std::uint8_t>(channel);
-    step.time_changed = changed >> 4 & 1u, step.angle_changed = changed >> 3 & 1u,
-    step.source_changed = changed >> 5 & 1u;
+    step.channel_changed = changed >> 6 & 1u, step.time_changed = changed >> 4 & 1u,
+    step.angle_changed = changed >> 3 & 1u, step.source_changed = changed >> 5 & 1u;
     m->code_xy(coder, given<Coder, std::int32_t>(p), given<Coder, std::int32_t>(p + 4), step);
     m->last = i;
     give<Coder>(p, m->x), give<Coder>(p + 4, m->y);

@@ -1,8 +1,9 @@
 // Chunks of point formats 6 to 10: each attribute is compressed by itself, as a layer, so that layers can be skipped.
 //
-// Each scanner channel (0 to 3) has models and a last point. Version 3 of the format has a defect that it must keep:
-// after a change to a channel that has occurred before, colours, wave packets and extra bytes are predicted from the
-// last point of the previous channel, which also receives the result. Version 4 uses the last point of the channel.
+// Each scanner channel (0 to 3) has models and a last point. Version 3 of the format has two defects that it must keep,
+// in colours, wave packets and extra bytes: only the first point after a change of the channel uses the models of its
+// channel, the others those of channel 0; and after a change to a channel that has occurred before, the point is
+// predicted from the last point of the previous channel, which also receives the result. Version 4 has neither.
 #pragma once
 
 #include <memory>

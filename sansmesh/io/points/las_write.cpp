@@ -125,9 +125,9 @@ bool is_on_grid(const PointSet& points, const Vec3& offset, double step) {
       [](bool a, bool b) { return a && b; });
 }
 
-/// The largest decimal step of which all coordinates are multiples, as in most surveys: their integers stay as they
-/// were, and compress well. Otherwise a step below the resolution of the cloud's floats: less than a quarter of the
-/// difference of adjacent floats at its edge. 2^31 steps reach far beyond the cloud.
+/// The largest step of 1, 1/2 or 1/4 decimal unit of which all coordinates are multiples, as in most surveys: their
+/// integers stay as they were, and compress well. Otherwise a step below the resolution of the cloud's floats: less
+/// than a quarter of the difference of adjacent floats at its edge. 2^31 steps reach far beyond the cloud.
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
@@ -144,9 +144,10 @@ LasScale las_scale(const PointSet& points) {
   const int finest = extent > 0 ? index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300) : -3;
   const double coarse = power_of_ten(finest) * 1e7;
   for (std::size_t k = 0; k < 3; ++k) s.offset[k] = std::round(s.box.center()[k] / coarse) * coarse;
-  int power = finest + 7;
-  while (power > finest && !is_on_grid(points, s.offset, power_of_ten(power))) --power;
-  s.step = power_of_ten(power);
+  for (int power = finest + 7; power > finest; --power)
+    for (const double part : {1.0, 0.5, 0.25})
+      if (s.step = part * power_of_ten(power); is_on_grid(points, s.offset, s.step)) return s;
+  s.step = power_of_ten(finest);
   return s;
 }
 
@@ -282,7 +283,7 @@ char* put_las_record(const LasLayout& l, const PointSet& points, std::size_t i, 
   p = put_bytes(p, value_of<std::uint16_t>(f.source, i));
   if (l.wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
   for (std::size_t k = 0; l.format != 6 && (l.colors || l.wide) && k < 3; ++k)
-    p = put_bytes(p, static_cast<std::uint16_t>(l.colors ? 257 * points.colors[i][k] : 0));
+    p = put_bytes(p, static_cast<std::uint16_t>(l.colors ? points.colors[i][k] << 8 : 0));
   if (f.infrared) p = put_bytes(p, value_of<std::uint16_t>(f.infrared, i));
   for (const ExtraBytes& e : l.extras)
     std::visit(
