@@ -296,8 +296,9 @@ void require_same_system(const ReferenceSystem* a, std::string_view a_is, const 
                          std::string_view b_is) {
   if (may_be_equal(a, b)) return;
   throw DataError(
-      fmt::format("the coordinate reference systems differ: {} is in {}, {} in {}; convert one of them first", a_is,
-                  system_words(*a), b_is, system_words(*b)));
+      fmt::format("the coordinate reference systems differ: {} is in {}, {} in {}; coordinates are not converted: "
+                  "reproject one of them first",
+                  a_is, system_words(*a), b_is, system_words(*b)));
 }
 
 }  // namespace sansmesh::inline v1

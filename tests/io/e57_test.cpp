@@ -1,12 +1,10 @@
 // E57: every kind of field in packets of any size, scans with poses, broken files.
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <limits>
 #include <random>
 
 #include "e57_test_files.h"
 #include "io_test_tools.h"
+#include "oracle.h"
 #include "sansmesh/io/e57/crc32c.h"
 #include "support/any_threads.h"
 #include "support/places.h"
@@ -250,18 +248,6 @@ TEST_F(E57Broken, AbsurdNumbersAreNamed) {
   expect(changed("</data3D>", "</dat!3D>"), "malformed XML: an end tag without a start");
 }
 
-/// Points as npm's web-e57 reads them; empty with `absent` where it is not installed.
-std::string read_by_web_e57(const std::string& file, bool& absent) {
-  const std::string script = source_file("tests/oracles/web_e57.mjs");
-  FILE* const pipe = ::popen(("node '" + script + "' '" + file + "' 2>/dev/null").c_str(), "r");
-  std::string text;
-  char part[1 << 12];
-  for (std::size_t n = 0; pipe && (n = std::fread(part, 1, sizeof part, pipe)) > 0;) text.append(part, n);
-  const int status = pipe ? ::pclose(pipe) : -1;
-  absent = !pipe || (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127));
-  return text;
-}
-
 TEST(E57Oracle, AgreesWithWebE57) {
   const Folder folder;
   const RandomPoints p = random_points(3000);
@@ -284,7 +270,7 @@ TEST(E57Oracle, AgreesWithWebE57) {
   for (const std::string& file : files) {
     SCOPED_TRACE(file);
     bool absent = false;
-    std::istringstream theirs(read_by_web_e57(file, absent));
+    std::istringstream theirs(run_oracle("web_e57.mjs", "'" + file + "'", absent));
     if (absent) GTEST_SKIP() << "node or its package web-e57 is not installed: scripts/install-deps oracles";
     const PointSet ours = read_points(file);
     std::size_t lines = 0;
