@@ -82,7 +82,7 @@ std::string utm_name(const UtmZone& z) {
   return fmt::format("{} / UTM zone {}{}", z.datum, z.zone, z.south ? "S" : "N");
 }
 
-std::string clean_name(std::string name) { return printable(name, kLongestName); }
+std::string clean_name(const std::string& name) { return printable(name, kLongestName); }
 
 bool is_vertical(const WktNode& node) { return node.keyword.starts_with("VERT") && node.keyword != "VERT_DATUM"; }
 
@@ -236,7 +236,7 @@ SharedSystem system_of_text(std::string_view text) {
 SharedSystem system_of_keys(std::span<const std::uint16_t> keys, std::span<const double> doubles,
                             std::string_view ascii, std::string_view text) {
   auto stated = describe_keys(GeoKeys(keys, doubles, ascii));
-  const SharedSystem of_text = system_of_text(text);
+  SharedSystem of_text = system_of_text(text);
   if (!stated) return of_text;
   ReferenceSystem system = of_text ? *of_text : *stated;
   if (system.code == 0) system.code = stated->code;

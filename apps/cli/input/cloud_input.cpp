@@ -80,7 +80,8 @@ template void add_surface_input(CommandLine&, const std::string&, std::string&, 
 template void add_surface_input(CommandLine&, const std::string&, std::vector<std::string>&, const std::string&);
 
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
-  add_surface_input(c, "input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""));
+  add_surface_input(c, "input", input.files,
+                    what + (as_one ? "; several files (tiles), folders, patterns and lists are read as one" : ""));
   add_class_options(c, input);
   add_read_options(c, input);
 }

@@ -95,7 +95,8 @@ class E57Reader {
     if (scans.empty()) in_.fail("holds no points");
     std::uint64_t total = 0;
     for (const E57Scan& scan : scans) {
-      if (scan.records > 0xfffffffeu || (total += scan.records) > 0xfffffffeu)
+      total += std::min<std::uint64_t>(scan.records, 0xffffffffu);
+      if (total > 0xfffffffeu)
         in_.fail(fmt::format("holds {} points up to scan {}; at most 4,294,967,294 are supported",
                              grouped(std::max(total, scan.records)), scan.name));
     }
@@ -285,6 +286,7 @@ class E57Reader {
     drop_partial(all_.colors, colors_, "colours");
     drop_partial(all_.normals, normals_, "normals");
     std::vector<const AttributeTable*> tables;
+    tables.reserve(tables_.size());
     for (const AttributeTable& table : tables_) tables.push_back(&table);
     all_.attributes = join_rows(tables, sizes_);
     tables_.clear();

@@ -104,8 +104,8 @@ std::string_view trimmed(std::string_view line) {
 
 /// A name in a list: beside the list, or from the current folder.
 std::string resolved(const std::string& list, std::string_view name) {
-  const std::string beside = (fs::path(list).parent_path() / name).string();
-  const std::string here(name);
+  std::string beside = (fs::path(list).parent_path() / name).string();
+  std::string here(name);
   if (does_exist(beside) || !does_exist(here)) return beside;
   return here;
 }

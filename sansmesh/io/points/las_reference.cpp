@@ -19,7 +19,7 @@ template <class T>
 std::vector<T> numbers_of(const LasVlr* vlr) {
   if (!vlr) return {};
   std::vector<T> numbers(vlr->payload.size() / sizeof(T));
-  if (!numbers.empty()) std::memcpy(numbers.data(), vlr->payload.data(), numbers.size() * sizeof(T));
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = load<T>(&vlr->payload[k * sizeof(T)]);
   return numbers;
 }
 
