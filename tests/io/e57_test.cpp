@@ -38,7 +38,7 @@ PointSet read_bytes(const std::string& bytes, ReadReport* report = nullptr) {
   return read_points(folder.put("a.e57", bytes), report);
 }
 
-Vec3 world(const PointSet& p, std::size_t i) { return p.origin + Vec3(p.positions[i]); }
+Vec3 e57_point(const PointSet& p, std::size_t i) { return p.origin + Vec3(p.positions[i]); }
 
 TEST(E57, ChecksumIsCastagnolis) {
   EXPECT_EQ(io::crc32c("123456789"), 0xe3069283u);
@@ -72,7 +72,7 @@ TEST(E57, EveryNumberOfBitsInPacketsOfAnySize) {
         E57TestField::whole("scaled", -100, 1000, std::vector<std::int64_t>(n, 7), "scale=\"0.01\" offset=\"2\""));
     const PointSet read = read_bytes(e57_file({scan}));
     ASSERT_EQ(read.size(), n);
-    for (std::size_t i = 0; i < n; ++i) EXPECT_LT(norm(world(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_LT(norm(e57_point(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
     ASSERT_EQ(read.attributes.size(), values.size() + 1);
     for (std::size_t a = 0; a < values.size(); ++a)
       for (std::size_t i = 0; i < n; ++i)
@@ -99,9 +99,9 @@ TEST(E57, PosesMoveScansAndGiveTheirScanners) {
   EXPECT_EQ(report.format, "E57, 3 scans");
   EXPECT_TRUE(report.warnings.empty());
   for (std::size_t i = 0; i < 200; ++i) {
-    EXPECT_LT(norm(world(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-4);
-    EXPECT_LT(norm(world(read, 200 + i) - Vec3{10.25 - p.y[i], 20 + p.x[i], 30 + p.z[i]}), 1e-4);
-    EXPECT_LT(norm(world(read, 400 + i) - Vec3{300 + p.x[i], -200 + p.y[i], p.z[i]}), 1e-4);
+    EXPECT_LT(norm(e57_point(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-4);
+    EXPECT_LT(norm(e57_point(read, 200 + i) - Vec3{10.25 - p.y[i], 20 + p.x[i], 30 + p.z[i]}), 1e-4);
+    EXPECT_LT(norm(e57_point(read, 400 + i) - Vec3{300 + p.x[i], -200 + p.y[i], p.z[i]}), 1e-4);
     EXPECT_LT(norm(read.normals[200 + i] - Vec3f{0, 1, 0}), 1e-6);
     EXPECT_EQ(read.normals[i], (Vec3f{1, 0, 0}));
   }
@@ -130,7 +130,7 @@ TEST(E57, SphericalCoordinatesAreSeenFromTheirOrigin) {
   ReadReport report;
   const PointSet read = read_bytes(e57_file({scan}), &report);
   ASSERT_EQ(read.size(), 98u);
-  for (std::size_t i = 4; i < 99; ++i) EXPECT_LT(norm(world(read, i - 1) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+  for (std::size_t i = 4; i < 99; ++i) EXPECT_LT(norm(e57_point(read, i - 1) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
   ASSERT_EQ(read.scanners.size(), 1u);
   EXPECT_EQ(read.origin + Vec3(read.scanners[0]), Vec3{});
   ASSERT_EQ(report.warnings.size(), 1u);
@@ -191,7 +191,7 @@ TEST(E57, SurveyCoordinatesKeepTheirMillimetres) {
   RandomPoints p = random_points(500);
   for (std::size_t i = 0; i < 500; ++i) p.x[i] += 512345, p.y[i] += 5403210;
   const PointSet read = read_bytes(e57_file({plain_scan(p)}));
-  for (std::size_t i = 0; i < 500; ++i) EXPECT_LT(norm(world(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+  for (std::size_t i = 0; i < 500; ++i) EXPECT_LT(norm(e57_point(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
 }
 
 TEST(E57, ThreadsDoNotMatter) {
@@ -279,7 +279,7 @@ TEST(E57Oracle, AgreesWithWebE57) {
       Vec3 q;
       ASSERT_TRUE(words >> q.x >> q.y >> q.z) << line;
       ASSERT_LT(lines, ours.size());
-      ASSERT_LT(norm(world(ours, lines) - q), 5e-6) << lines;
+      ASSERT_LT(norm(e57_point(ours, lines) - q), 5e-6) << lines;
       if (int r = 0, g = 0, b = 0; words >> r >> g >> b && ours.has_colors()) {
         ASSERT_EQ(int{ours.colors[lines][0]}, r);
         ASSERT_EQ(int{ours.colors[lines][1]}, g);
@@ -293,8 +293,8 @@ TEST(E57Oracle, AgreesWithWebE57) {
 TEST(E57, ShippedFiles) {
   const PointSet p = read_points(source_file("tests/data/A_B.e57"));
   ASSERT_EQ(p.size(), 6u);
-  EXPECT_LT(norm(world(p, 0) - Vec3{-42.63949966430664, 1.8725999593734741, 0.666700005531311}), 1e-6);
-  EXPECT_LT(norm(world(p, 5) - Vec3{-44.95220184326172, -1.3493000268936157, -0.607699990272522}), 1e-6);
+  EXPECT_LT(norm(e57_point(p, 0) - Vec3{-42.63949966430664, 1.8725999593734741, 0.666700005531311}), 1e-6);
+  EXPECT_LT(norm(e57_point(p, 5) - Vec3{-44.95220184326172, -1.3493000268936157, -0.607699990272522}), 1e-6);
   EXPECT_EQ(p.colors[5], (std::array<std::uint8_t, 3>{0, 255, 0}));
   EXPECT_EQ(p.scan_names, (std::vector<std::string>{"B2 - Cloud", "A4 - Cloud"}));
   expect_unreadable(source_file("tests/data/ZeroPoints.e57"), "holds no points");
