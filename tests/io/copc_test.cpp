@@ -99,6 +99,7 @@ TEST(Copc, BadHierarchies) {
   refuse(root, raw(std::int32_t{-1}), "a node is outside of the octree");
   refuse(root + 4, raw(std::int32_t{77}), "a node is outside of the octree");
   refuse(root + 28, raw(std::int32_t{-7}), "a node is outside of the octree");
+  refuse(root + 28, raw(std::int32_t{0x7ffffff}), "points cannot be in");
   refuse(root + 24, raw(std::int32_t{0x7fffffff}), "it refers to bytes");
   refuse(root + 16, raw(root) + raw(std::int32_t{64}) + raw(std::int32_t{-1}), "a page refers to itself");
   refuse(root + 16, good.substr(root + 48, 8), "two nodes have the same bytes");

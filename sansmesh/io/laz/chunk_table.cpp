@@ -12,9 +12,6 @@
 namespace sansmesh::inline v1::io::laz {
 namespace {
 
-/// A compressed point has at least 1/1000 byte, by the least probability that the models give other symbols.
-constexpr std::uint64_t kPointsPerByte = 1000;
-
 using TableModel = IntegerModel<32, 2>;
 
 /// Position of the table; 0 if its writer was interrupted before.
@@ -79,7 +76,7 @@ ChunkTable read_chunk_table(const Input& in, const LasHeader& header, const LazL
     table.chunks = {{header.begin + 8, size - header.begin - 8, static_cast<std::size_t>(header.count)}};
   }
   for (const Chunk& chunk : table.chunks)
-    if (chunk.points / kPointsPerByte > chunk.bytes)
+    if (chunk.points / kMostPointsPerByte > chunk.bytes)
       in.fail(fmt::format("malformed LAZ file: {} points cannot be in {} bytes", grouped(chunk.points),
                           grouped(chunk.bytes)));
   return table;

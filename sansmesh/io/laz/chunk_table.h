@@ -13,6 +13,9 @@ struct Chunk {
   std::size_t points = 0;
 };
 
+/// A compressed point has at least 1/1000 byte, by the least probability that the models give other symbols.
+inline constexpr std::uint64_t kMostPointsPerByte = 1000;
+
 /// The chunks of all `header.count` points, in order. Files without a table, whose writer was interrupted, have one
 /// chunk here that contains all that follow each other: see `is_sequence`. Throws FileError if the table is malformed
 /// or promises more points than the bytes can hold.

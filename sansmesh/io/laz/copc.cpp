@@ -84,6 +84,9 @@ class CopcSearch {
     if (e.points == 0 || e.level > last_level_ || !is_needed(e)) return;
     if (e.is_page()) return pages_.push_back(e);
     check_range(e.begin, static_cast<std::uint64_t>(e.bytes));
+    if (static_cast<std::uint64_t>(e.points) / kMostPointsPerByte > static_cast<std::uint64_t>(e.bytes))
+      fail(fmt::format("{} points cannot be in {} bytes", grouped(static_cast<std::uint64_t>(e.points)),
+                       grouped(static_cast<std::uint64_t>(e.bytes))));
     chunks_.push_back(
         {static_cast<std::size_t>(e.begin), static_cast<std::size_t>(e.bytes), static_cast<std::size_t>(e.points)});
   }

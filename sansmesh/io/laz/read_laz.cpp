@@ -50,7 +50,7 @@ void check_chunks(const Input& in, const std::vector<std::uint8_t>& damaged) {
 
 /// Fails if a damaged header promises far more records than files of this size hold.
 void check_size(const Input& in, std::uint64_t points, std::size_t record) {
-  constexpr std::uint64_t usual = std::uint64_t{1} << 30, most_per_byte = 1000;
+  constexpr std::uint64_t usual = std::uint64_t{1} << 30, most_per_byte = kMostPointsPerByte;
   if (points > std::max(usual, most_per_byte * in.bytes.size()) / record)
     in.fail(
         fmt::format("malformed LAZ file: {} points cannot be in {} bytes", grouped(points), grouped(in.bytes.size())));
@@ -94,6 +94,7 @@ RecordBuffer read_sequence(const Input& in, const LasHeader& header, const LazLa
 
 RecordBuffer read_chunks(const Input& in, const LasHeader& header, const LazLayout& layout,
                          const std::vector<Chunk>& chunks) {
+  for (const Chunk& chunk : chunks) check_size(in, chunk.points, layout.record);
   std::vector<std::uint8_t> damaged(chunks.size());
   const auto bytes_of = [&](const Chunk& chunk) { return in.bytes.substr(chunk.begin, chunk.bytes); };
   if (in.options.box) {
