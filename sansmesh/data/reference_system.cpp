@@ -84,6 +84,17 @@ std::string utm_name(const UtmZone& z) {
 
 std::string clean_name(const std::string& name) { return printable(name, kLongestName); }
 
+/// Letters and digits of a name, with years of two digits: "NAD_1983_UTM_Zone_10N" and "NAD83 / UTM zone 10N" are one.
+std::string plain_name(std::string_view name) {
+  std::string plain;
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const std::string_view datum : {"nad1983", "nad1927", "wgs1984", "etrs1989"})
+    if (plain.starts_with(datum)) plain.erase(datum.find("19"), 2);
+  return plain;
+}
+
 bool is_vertical(const WktNode& node) { return node.keyword.starts_with("VERT") && node.keyword != "VERT_DATUM"; }
 
 int code_of(const WktNode& node) {
@@ -289,7 +300,7 @@ bool may_be_equal(const ReferenceSystem* a, const ReferenceSystem* b) {
   if (units_differ(a->metres, b->metres) || units_differ(a->vertical_metres, b->vertical_metres)) return false;
   if ((a->unit == kDegree) != (b->unit == kDegree) && !a->unit.empty() && !b->unit.empty()) return false;
   if (a->code != 0 && a->code == b->code) return true;
-  return a->name.empty() || b->name.empty() || a->name == b->name || a->wkt == b->wkt;
+  return a->name.empty() || b->name.empty() || plain_name(a->name) == plain_name(b->name);
 }
 
 void require_same_system(const ReferenceSystem* a, std::string_view a_is, const ReferenceSystem* b,

@@ -81,6 +81,8 @@ TEST(ReferenceSystem, DifferentSystemsAreNamed) {
   EXPECT_TRUE(may_be_equal(utm.get(), nullptr));
   EXPECT_TRUE(may_be_equal(utm.get(), code.get()));
   EXPECT_FALSE(may_be_equal(code.get(), other.get()));
+  const auto same = system_of_text("PROJCS[\"NAD_1983_UTM_Zone_10N\",UNIT[\"Meter\",1.0]]");
+  EXPECT_TRUE(may_be_equal(utm.get(), same.get()));
   EXPECT_FALSE(may_be_equal(utm.get(), feet.get()));
   EXPECT_NO_THROW(require_same_system(utm.get(), "a", code.get(), "b"));
   try {
