@@ -259,5 +259,66 @@ TEST_F(SurveyCommands, MillimetresSurviveReconstruction) {
   EXPECT_LT(wanted, 0.003 * kRadius);
 }
 
+TEST_F(SurveyCommands, AFolderAPatternAndAListAreTheTiles) {
+  write_tiles();
+  write("notes.txt", "flown in May");
+  write("tiles.lst", "# sorted\neast.las\nwest.las\n");
+  ASSERT_EQ(run({"convert", "east.las", "west.las", "-o", "named.ply"}).code, 0);
+  const std::string named = slurp(path("named.ply"));
+  std::filesystem::remove(path("named.ply"));
+  std::filesystem::create_directory(path("out"));
+  for (const std::string input : {".", "*.las", "tiles.lst"}) {
+    ASSERT_EQ(run({"convert", input, "-o", "out/all.ply"}).code, 0) << input;
+    EXPECT_EQ(slurp(path("out/all.ply")), named) << input;
+  }
+  const Outcome none = run({"info", "*.laz"});
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("*.laz: no file matches the pattern"), std::string::npos) << none.err;
+}
+
+TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
+  write_tiles();
+  write("east.prj", "EPSG:32633");
+  const auto system_of = [&](const std::string& file) {
+    const auto reference = read_points(path(file)).reference;
+    return reference ? reference->code : 0;
+  };
+  const Json made = json_of({"reconstruct", "east.las", "-o", "east.ply"});
+  EXPECT_EQ(made["input"]["reference_system"], "WGS 84 / UTM zone 33N (EPSG:32633), unit metre");
+  EXPECT_EQ(made["input"]["unit"], "metre");
+  const std::vector<std::vector<std::string>> commands = {{"simplify", "east.ply", "-o", "a.obj"},
+                                                          {"smooth", "east.ply", "-o", "b.stl"},
+                                                          {"fill", "east.ply", "-o", "c.glb"},
+                                                          {"fit", "east.las", "-o", "d.smf"},
+                                                          {"mesh", "d.smf", "-o", "e.ply"},
+                                                          {"normals", "east.las", "-o", "f.ply"},
+                                                          {"project", "east.las", "-o", "g.las"},
+                                                          {"curvature", "east.las", "-o", "h.csv"},
+                                                          {"convert", "east.las", "-o", "i.pcd"},
+                                                          {"csg", "c.glb", "-o", "j.vtp"},
+                                                          {"align", "east.ply", "east.las", "-o", "k.ply"}};
+  for (const std::vector<std::string>& command : commands) {
+    const Outcome outcome = run(command);
+    ASSERT_EQ(outcome.code, 0) << command[0] << ": " << outcome.err;
+    if (!command.back().ends_with(".smf")) EXPECT_EQ(system_of(command.back()), 32633) << command[0];
+  }
+  // Moved coordinates are in no system, and others must be in the same.
+  const Outcome moved = run({"convert", "east.ply", "--scale", "2", "-o", "moved.ply"});
+  EXPECT_EQ(system_of("moved.ply"), 0);
+  EXPECT_NE(moved.err.find("moved coordinates are no longer in the reference system"), std::string::npos) << moved.err;
+  write("west.prj", "EPSG:32634");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"compare", "east.ply", "west.las"},
+                                             {"assess", "east.ply", "west.las"},
+                                             {"align", "east.ply", "west.las", "-o", "x.ply"},
+                                             {"project", "east.las", "--onto", "west.las", "-o", "x.ply"},
+                                             {"reconstruct", "east.las", "west.las", "-o", "x.ply"}}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.code, 1) << command[0];
+    EXPECT_NE(outcome.err.find("EPSG:32633"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("EPSG:32634"), std::string::npos) << outcome.err;
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh::test

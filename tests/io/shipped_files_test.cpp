@@ -14,7 +14,7 @@ using namespace test;
 
 std::string shipped(const std::string& name) { return source_file("tests/data/" + name); }
 
-Vec3 world(const PointSet& p, std::size_t i) { return p.origin + Vec3(p.positions[i]); }
+Vec3 world_position(const PointSet& p, std::size_t i) { return p.origin + Vec3(p.positions[i]); }
 
 template <class T>
 T value_at(const std::string& bytes, std::size_t at) {
@@ -57,8 +57,8 @@ TEST_P(LasByOthers, HoldsWhatItsRecordsSay) {
     double low = std::numeric_limits<double>::max(), high = -low;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const double x = value_at<std::int32_t>(bytes, data + record * i + 4 * k) * scale + offset;
-      ASSERT_NEAR(world(p, i)[k], x, rounding) << i;
-      low = std::min(low, world(p, i)[k]), high = std::max(high, world(p, i)[k]);
+      ASSERT_NEAR(world_position(p, i)[k], x, rounding) << i;
+      low = std::min(low, world_position(p, i)[k]), high = std::max(high, world_position(p, i)[k]);
     }
     // Writers round or truncate the coordinates, and may round the box as well: one step each.
     EXPECT_NEAR(high, value_at<double>(bytes, 179 + 16 * k), 2 * scale + rounding);
@@ -88,7 +88,7 @@ TEST(ShippedFiles, PcdOfSixteenFields) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     const std::size_t at = data + i * record;
     for (std::size_t k = 0; k < 3; ++k) {
-      ASSERT_NEAR(world(p, i)[k], value_at<double>(bytes, at + 8 * k), 1e-4) << i;
+      ASSERT_NEAR(world_position(p, i)[k], value_at<double>(bytes, at + 8 * k), 1e-4) << i;
       ASSERT_EQ(p.colors[i][k], value_at<std::uint16_t>(bytes, at + 46 + 2 * k)) << i;
     }
   }
@@ -102,7 +102,7 @@ TEST(ShippedFiles, TableWithColoursAndLargeCoordinates) {
   std::size_t i = 0;
   for (double v[7]; text >> v[0] >> v[1] >> v[2] >> v[3] >> v[4] >> v[5] >> v[6]; ++i) {
     ASSERT_LT(i, p.size());
-    EXPECT_LT(norm(world(p, i) - Vec3{v[0], v[1], v[2]}), 1e-5) << i;
+    EXPECT_LT(norm(world_position(p, i) - Vec3{v[0], v[1], v[2]}), 1e-5) << i;
     for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(p.colors[i][k], v[3 + k]) << i;
   }
   EXPECT_EQ(i, p.size());
@@ -158,8 +158,8 @@ TEST(ShippedFiles, BundledScan) {
   EXPECT_FALSE(p.has_normals());
   double nearest = std::numeric_limits<double>::max(), farthest = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    nearest = std::min(nearest, norm(world(p, i)));
-    farthest = std::max(farthest, norm(world(p, i)));
+    nearest = std::min(nearest, norm(world_position(p, i)));
+    farthest = std::max(farthest, norm(world_position(p, i)));
   }
   const auto stated = [&](const std::string& name) {
     return std::stod(text.substr(text.find(name + "=\"") + name.size() + 2));
