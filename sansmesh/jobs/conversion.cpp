@@ -17,6 +17,7 @@ namespace {
 struct ApplyStep {
   CloudOrMesh& data;
   const std::string& unit;  ///< unit of the input
+  Progress& progress;
   AboutStep about_now = {};
 
   std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
@@ -56,6 +57,7 @@ struct ApplyStep {
   std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
   std::string operator()(const WeldStep& s) const { return weld_points(data, s.distance); }
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
+  std::string operator()(const ClassifyGroundStep&) const { return find_ground_of(data, progress); }
 };
 
 /// "`box` leaves nothing …".
@@ -156,7 +158,7 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
   if (options.vertices_only) data.make_points();
-  ApplyStep how{data, options.unit};
+  ApplyStep how{data, options.unit, progress};
   for (const ConvertStep& step : options.steps) {
     if (const auto* const about = std::get_if<AboutStep>(&step)) {
       how(*about);
