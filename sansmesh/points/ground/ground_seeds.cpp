@@ -34,21 +34,44 @@ std::vector<std::uint8_t> halved_centers(const std::vector<std::uint8_t>& center
   return result;
 }
 
+/// Cell of the raster, and whether it consists of several cells of the grid.
+struct RasterCell {
+  std::size_t column, row;
+  bool coarse;
+};
+
+/// Whether the opening lowers the surface at a sample by more than `drop`. A coarse cell has the height of its lowest
+/// sample: along the edge of a roof, that is the ground. So the sample falls with a neighbouring cell, too, if it is as
+/// high.
+bool falls(const HeightRaster& surface, const HeightRaster& open, const RasterCell& cell, float height, double drop) {
+  const auto falls_at = [&](std::size_t k) { return static_cast<double>(surface.heights[k] - open.heights[k]) > drop; };
+  if (falls_at(cell.row * surface.columns + cell.column)) return true;
+  if (!cell.coarse) return false;
+  for (std::size_t r = cell.row - (cell.row > 0); r <= std::min(surface.rows - 1, cell.row + 1); ++r)
+    for (std::size_t c = cell.column - (cell.column > 0); c <= std::min(surface.columns - 1, cell.column + 1); ++c) {
+      const std::size_t k = r * surface.columns + c;
+      if (falls_at(k) && static_cast<double>(height) > static_cast<double>(surface.heights[k]) - 0.5 * drop)
+        return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> find_ground_seeds(const PointSet& points, const GroundGrid& grid, const GroundTrend& trend) {
   HeightRaster surface{grid.columns, grid.rows, {}};
   surface.heights.assign(grid.size(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<float> tolerance(grid.size(), 0);
+  std::vector<double> tolerance(grid.size(), 0);
   std::vector<std::uint8_t> seeds(grid.size(), 0);
   parallel_for(0, grid.size(), 4096, [&](std::size_t i) {
     if (grid.lowest[i] == GroundGrid::kNone) return;
     const Vec3 p(points.positions[grid.lowest[i]]);
     const GroundTrend::At at = trend.empty() ? GroundTrend::At{} : trend.at(p.x, p.y);
     surface.heights[i] = static_cast<float>(p.z - at.height);
-    tolerance[i] = static_cast<float>(kSlopeTolerance * grid.cell * at.slope);
+    tolerance[i] = kSlopeTolerance * grid.cell * at.slope;
     seeds[i] = 1;
   });
+  const std::vector<float> heights = surface.heights;
   // `scale` cells of the grid are one of the raster. Heights of removed objects stay lowered for wider windows.
   std::vector<std::uint8_t> centers = grid.inside;
   const std::size_t most = largest_window(grid);
@@ -58,9 +81,8 @@ std::vector<std::uint8_t> find_ground_seeds(const PointSet& points, const Ground
     const double drop = kSeedSlope * static_cast<double>(radius * scale) * grid.cell;
     parallel_for(0, grid.rows, 16, [&](std::size_t r) {
       for (std::size_t c = 0; c < grid.columns; ++c) {
-        const std::size_t i = r * grid.columns + c, k = r / scale * surface.columns + c / scale;
-        if (seeds[i] &&
-            static_cast<double>(surface.heights[k] - open.heights[k]) > drop + static_cast<double>(tolerance[i]))
+        const std::size_t i = r * grid.columns + c;
+        if (seeds[i] && falls(surface, open, {c / scale, r / scale, scale > 1}, heights[i], drop + tolerance[i]))
           seeds[i] = 0;
       }
     });
