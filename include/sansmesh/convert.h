@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -168,6 +169,8 @@ struct SANSMESH_API CloudOrMesh {
   TriangleMesh mesh;     ///< mesh, if is_mesh
   /// Attributes of three reals that transformations left unchanged, since they may not be directions.
   std::vector<std::string> untransformed;
+  /// Reference system of the input, if the coordinates were moved out of it.
+  std::shared_ptr<const ReferenceSystem> former_reference;
   /// Edges with three or more triangles that welding made.
   std::size_t nonmanifold_edges_of_weld = 0;
 
@@ -193,8 +196,8 @@ struct SANSMESH_API CloudOrMesh {
 
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool vertices_only = false;           ///< uses only the vertices of a mesh
-  std::string unit = {};                ///< unit of the input's lengths, for UnitStep
+  bool vertices_only = false;  ///< uses only the vertices of a mesh
+  std::string unit = {};       ///< unit of the input's lengths, for UnitStep; default: that of its reference system
   std::vector<ConvertStep> steps = {};  ///< steps in order
 
   static const OptionSchema& schema();  ///< option rows, one per field

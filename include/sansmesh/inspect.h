@@ -55,6 +55,8 @@ class SANSMESH_API AnySurface {
   /// The mesh or the points. For a function or isosurface, a mesh that is made at every call, with its notes added to
   /// `notes`. Throws DataError that begins with the name.
   std::shared_ptr<const TriangleMesh> mesh(Progress& progress, std::vector<Note>& notes) const;
+  /// Reference system of the coordinates; null if unknown.
+  const ReferenceSystem* reference() const;
   /// Bounding box of the mesh, the points or the samples of a function (the function's own box if it has none).
   Box3 bounds() const;
   /// Signed distances, from the function itself, the mesh or the points. An isosurface is measured by its mesh, since

@@ -4,11 +4,15 @@
 // renamed.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/box.h"
 #include "sansmesh/image.h"
+#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
@@ -22,14 +26,27 @@ struct ReadReport {
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
   /// Contents of the file that the data cannot hold, each listed once: "texture coordinates".
   std::vector<std::string> unread;
+  /// Reference system that the file, or a .prj file beside it, states; null if unknown.
+  std::shared_ptr<const ReferenceSystem> reference;
 };
 
-/// Reads the points of a PLY, OBJ, OFF, STL, GLB or glTF, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file, or of a Stanford .conf
-/// alignment (several scans merged with their transforms; a missing scan is left out with a warning unless all are
-/// missing), gzipped or not. Points that are not finite are left out with a warning. Further numbers of points and
-/// faces (PLY scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the
-/// type in the file. Columns of text without types become int32 if all numbers are integers (int64 or uint64 if
-/// necessary), else double.
+/// The part of a cloud to read.
+struct ReadOptions {
+  /// Only points in this box, in the coordinates of the file. Readers of LAS, LAZ and COPC apply it while they read.
+  std::optional<Box3> box = {};
+  /// COPC: the distance of neighbouring points that is needed, in the unit of the file. Levels of the octree beyond the
+  /// first with at most this distance are left out. Other formats have no levels; a warning states that.
+  std::optional<double> resolution = {};
+
+  static const OptionSchema& schema();  ///< one row per field
+};
+
+/// Reads the points of a PLY, OBJ, OFF, STL, GLB or glTF, XYZ/CSV/TXT/PWN, PCD, LAS, LAZ (also COPC) or VTP file, or of
+/// a Stanford .conf alignment (several scans merged with their transforms; a missing scan is left out with a warning
+/// unless all are missing), gzipped or not. Points that are not finite are left out with a warning. Further numbers of
+/// points and faces (PLY scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become
+/// attributes of the type in the file. Columns of text without types become int32 if all numbers are integers (int64 or
+/// uint64 if necessary), else double.
 ///
 /// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 is the first),
 /// `classification` (uint8, the ASPRS classes of sansmesh/cloud_options.h), `synthetic` and `overlap` (uint8, 1 if
@@ -39,20 +56,25 @@ struct ReadReport {
 /// differs from 0. Extra bytes have the names in the file, and are double if they are scaled. Points flagged as
 /// withheld are left out with a warning.
 ///
-/// Throws FileError if the file is missing, empty, truncated, malformed or holds no points.
-SANSMESH_API PointSet read_points(const std::string& file, ReadReport* report = nullptr);
+/// Throws FileError if the file is missing, empty, truncated, malformed or holds no points, also if none is in the box
+/// of the options.
+SANSMESH_API PointSet read_points(const std::string& file, ReadReport* report = nullptr,
+                                  const ReadOptions& options = {});
 
 /// Whether a reader of clouds and meshes exists for the suffix of that file.
 SANSMESH_API bool is_read(const std::string& file);
 
-/// Reads several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All positions
-/// refer to the origin of the first file. The attributes are those of all files; if a file lacks one, or has it with
-/// another type than the first file that has it, the values of its points are unknown (NaN, or 0 for integers). Normals
-/// and colours are left out, with a warning, unless all files have them. Scanner positions are kept, and are unknown
-/// for points of files without them. Faces of meshes are kept. Coincident points of different files are all kept.
-/// Warnings begin with the name of their file. Throws FileError as read_points, and if only some of the files have
-/// faces; ArgumentError if there are no files.
-SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);
+/// Reads several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. Names may be
+/// folders (their files of one format, in the order of names), patterns ("tiles/*.las") and lists of files (ending
+/// .lst, .list or .txt, a name per line). All positions refer to one origin, that of a file with all points. The
+/// attributes are those of all files; if a file lacks one, or has it with another type than the first file that has it,
+/// the values of its points are unknown (NaN, or 0 for integers). Normals and colours are left out, with a warning,
+/// unless all files have them. Scanner positions are kept, and are unknown for points of files without them. Faces of
+/// meshes are kept. Coincident points of different files are all kept. Warnings begin with the name of their file.
+/// Files without points in the box of the options are left out. Throws FileError as read_points, and if only some of
+/// the files have faces; ArgumentError if there are no files.
+SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr,
+                                  const ReadOptions& options = {});
 
 /// Reads a mesh; polygons are triangulated as fans. Throws FileError as read_points, and if the file has no faces.
 SANSMESH_API TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
@@ -10,6 +11,7 @@
 namespace sansmesh::inline v1 {
 
 struct PointSet;
+struct ReferenceSystem;
 struct TriangleMesh;
 
 /// Local frame: methods work in coordinates in which the samples have a size of about 1, so that squares and sixth
@@ -22,6 +24,9 @@ struct TriangleMesh;
 struct LocalFrame {
   Vec3 origin;      ///< input position of the local origin
   double unit = 1;  ///< input length of the local length 1, > 0
+  /// Reference system of the input coordinates; null if unknown. Clouds and meshes that are moved to input coordinates
+  /// receive it.
+  std::shared_ptr<const ReferenceSystem> reference = {};
 
   /// Local to input position.
   Vec3 to_input(const Vec3& x) const { return origin + x * unit; }
@@ -46,7 +51,7 @@ struct LocalFrame {
   double from_input(double length) const { return length / unit; }
 
   /// Whether origin and unit are equal.
-  friend bool operator==(const LocalFrame&, const LocalFrame&) = default;
+  friend bool operator==(const LocalFrame& a, const LocalFrame& b) { return a.origin == b.origin && a.unit == b.unit; }
 };
 
 /// Frame with that origin. The unit is the least power of two not smaller than `extent`, the size of the object; 1 if

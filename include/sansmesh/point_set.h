@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,21 @@
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
+
+/// Coordinate reference system of a cloud or mesh, as its file states it. Coordinates are never converted.
+struct ReferenceSystem {
+  std::string name;                     ///< "NAD83 / UTM zone 10N"; empty if unknown
+  int code = 0;                         ///< EPSG code of the horizontal or geocentric system, 0 if unknown
+  int vertical_code = 0;                ///< EPSG code of the heights, 0 if unknown
+  std::string unit;                     ///< "metre", "foot", "US survey foot", "degree"; empty if unknown
+  double metres = 0;                    ///< length of the unit in metres; 0 for angles and if unknown
+  std::string vertical_unit;            ///< unit of the heights; empty if the file states none
+  double vertical_metres = 0;           ///< length of that unit in metres, 0 if unknown
+  std::string wkt;                      ///< well-known text (1 or 2) of the file; may be empty
+  std::vector<std::uint16_t> geo_keys;  ///< GeoTIFF keys of the file (tag 34735); may be empty
+  std::vector<double> geo_doubles;      ///< real numbers of the keys (tag 34736)
+  std::string geo_ascii;                ///< texts of the keys (tag 34737)
+};
 
 /// Samples of a surface as a structure of arrays. Every optional array is either empty or as long as `positions`.
 struct PointSet {
@@ -45,6 +61,8 @@ struct PointSet {
   AttributeTable triangle_attributes;
   /// All samples are on faces of a mesh, so none is a stray sample.
   bool of_faces = false;
+  /// Reference system of the coordinates; null if unknown.
+  std::shared_ptr<const ReferenceSystem> reference = {};
 
   /// Number of samples.
   std::size_t size() const { return positions.size(); }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,8 @@ struct SANSMESH_API CloudInfo {
   std::optional<std::array<std::size_t, 256>> classes;
   std::size_t triangles = 0;         ///< triangles of the file
   std::optional<MeshTopology> mesh;  ///< topology of a mesh, sewn along coincident borders
+  /// Reference system of the coordinates; null if unknown.
+  std::shared_ptr<const ReferenceSystem> reference;
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "sansmesh/api.h"
@@ -26,6 +27,7 @@ struct TriangleMesh {
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< RGB, 0..255
   AttributeTable attributes;           ///< other properties of the vertices (quality, curvatures, …): a row each
   AttributeTable triangle_attributes;  ///< properties of the triangles: a row each
+  std::shared_ptr<const ReferenceSystem> reference = {};  ///< reference system of the coordinates; null if unknown
 };
 
 /// Bounding box of the vertices (relative to the origin), unused ones included.

@@ -52,11 +52,13 @@ void move_to_input(PointSet& points, const LocalFrame& frame) {
   to_input(points.positions, frame.unit);
   to_input(points.scanners, frame.unit);
   points.origin = origin_in_input(points.origin, frame);
+  if (frame.reference) points.reference = frame.reference;
 }
 
 void move_to_input(TriangleMesh& mesh, const LocalFrame& frame) {
   to_input(mesh.vertices, frame.unit);
   mesh.origin = origin_in_input(mesh.origin, frame);
+  if (frame.reference) mesh.reference = frame.reference;
 }
 
 }  // namespace sansmesh::inline v1

@@ -31,6 +31,7 @@ std::vector<T> taken_rows(const std::vector<T>& values, std::span<const std::uin
 PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows) {
   PointSet result;
   result.origin = points.origin;
+  result.reference = points.reference;
   result.positions = taken_rows(points.positions, rows);
   result.normals = taken_rows(points.normals, rows);
   result.colors = taken_rows(points.colors, rows);

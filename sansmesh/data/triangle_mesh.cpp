@@ -7,6 +7,7 @@ namespace sansmesh::inline v1 {
 TriangleMesh to_mesh(PointSet points) {
   TriangleMesh mesh;
   mesh.origin = points.origin;
+  mesh.reference = std::move(points.reference);
   mesh.vertices = std::move(points.positions);
   mesh.triangles = std::move(points.triangles);
   mesh.normals = std::move(points.normals);

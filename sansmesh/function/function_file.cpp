@@ -9,6 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/io/section_file.h"
 
 namespace sansmesh::inline v1 {
@@ -271,6 +272,7 @@ void write_fitted_function(const std::string& file, const FittedFunction& functi
                {"levels", levels},
                {"history", function.history}};
   if (function.samples->of_faces) json["of_faces"] = true;
+  if (const std::string system = io::system_line(function.frame.reference.get()); !system.empty()) json["crs"] = system;
   if (data.paper) json["paper"] = to_json(*data.paper);
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto code = joined<std::uint64_t>(
@@ -322,7 +324,9 @@ FittedFunction read_fitted_function(const SectionFile& file) {
     data.validate();
     auto samples = std::make_shared<PointSet>(read_samples(file, data));
     samples->of_faces = json.contains("of_faces") && json.at("of_faces").get<bool>();  // since 1.2; not for clouds
-    const LocalFrame frame{vector_of(json.at("origin")), number(json.at("unit"))};
+    LocalFrame frame{vector_of(json.at("origin")), number(json.at("unit"))};
+    if (const auto system = json.find("crs"); system != json.end())  // since 1.3
+      frame.reference = system_of_text(system->get<std::string>());
     int exponent = 0;
     if (!(norm(frame.origin) <= 1e30 && frame.unit > 1e-60 && frame.unit < 1e30) ||
         std::frexp(frame.unit, &exponent) != 0.5)

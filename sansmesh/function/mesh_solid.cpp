@@ -141,6 +141,7 @@ std::size_t close_holes(TriangleMesh& mesh) {
 TriangleMesh checked_solid(TriangleMesh given, std::vector<std::string>& warnings, bool* overlaps) {
   TriangleMesh mesh;  // other vertex data is not needed
   mesh.origin = given.origin;
+  mesh.reference = given.reference;
   mesh.vertices = std::move(given.vertices);
   mesh.triangles = std::move(given.triangles);
   const MeshEdges e = MeshPatches(mesh, kCreaseDegrees).edges;

@@ -34,7 +34,7 @@ void add_ending(std::string_view ending, std::vector<std::string>& list) {
 std::optional<FormatId> own_format_of_content(std::string_view bytes) {
   const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
   if (begins("ply\n") || begins("ply\r")) return FormatId::ply;
-  if (begins("LASF")) return FormatId::las;
+  if (begins("LASF")) return bytes.size() > 104 && (bytes[104] & 0x80) != 0 ? FormatId::laz : FormatId::las;
   if (begins("ASTM-E57")) return FormatId::e57;
   if (begins("glTF")) return FormatId::glb;
   if (begins("# .PCD") || begins("VERSION 0.7\n") || begins("VERSION .7\n")) return FormatId::pcd;

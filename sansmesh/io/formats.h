@@ -27,6 +27,7 @@ enum class FormatId : std::uint8_t {
   vtp,
   pcd,
   las,
+  laz,
   csv,
   table,
   conf,
@@ -56,7 +57,6 @@ enum class FormatId : std::uint8_t {
   // Pictures.
   png,
   // Recognised only to explain what to do with them.
-  laz,
   e57,
   scene,
   archive,
@@ -98,12 +98,14 @@ struct FormatInfo {
   std::string_view remedy = {};  ///< advice for files that cannot be read
   /// Reads points and meshes; null if the format has no such reader.
   PointSet (*read_points)(const io::Input& in) = nullptr;
+  bool selects = false;  ///< `read_points` applies the box of `in.options` itself; its result may be empty
   // Null if the format does not hold the content. Arrays have the right lengths, and triangles refer to existing
   // vertices.
   FileParts (*write_mesh)(const TriangleMesh& mesh, const WriteOptions& options) = nullptr;
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
   FormatCapacity mesh_capacity = FormatCapacity::all, points_capacity = FormatCapacity::all;
+  bool holds_system = false;  ///< has records for reference systems
   /// For formats without a FormatId: whether the first bytes of a file identify the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 

@@ -18,6 +18,7 @@ struct Input {
   std::optional<Vec3> origin =
       {};  ///< prescribed origin of the cloud, shared with other clouds; default: chosen for this cloud
   double smallest_extent = 0;  ///< least extent of a cloud of distinct points; checked if the origin is chosen
+  ReadOptions options = {};
 
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// Message: "truncated: 1,234 bytes are missing".
@@ -25,6 +26,10 @@ struct Input {
   /// The same with the announced and the existing size: "truncated: 3 bytes are missing (of 24, 21 are there)".
   [[noreturn]] void fail_short(std::uint64_t announced_bytes, std::uint64_t held_bytes, bool at_least = false) const;
   void warn(const std::string& remark) const { report.warnings.push_back(printable(remark)); }
+  /// For formats whose points are not in levels of resolution.
+  void warn_without_levels() const {
+    if (options.resolution) warn("has no levels of resolution: all points were read");
+  }
   /// Reports data of the file that the result cannot hold.
   void unread(const std::string& what) const { report.unread.push_back(printable(what, 80)); }
 };

@@ -75,7 +75,8 @@ OutputContent::OutputContent(const TriangleMesh& mesh)
       colors(mesh.colors),
       attributes(mesh.attributes),
       triangles(mesh.triangles),
-      triangle_attributes(mesh.triangle_attributes) {}
+      triangle_attributes(mesh.triangle_attributes),
+      reference(mesh.reference.get()) {}
 
 OutputContent::OutputContent(const PointSet& points)
     : origin(points.origin),
@@ -84,7 +85,8 @@ OutputContent::OutputContent(const PointSet& points)
       colors(points.colors),
       attributes(points.attributes),
       triangles(kNoTriangles),
-      triangle_attributes(kNoAttributes) {}
+      triangle_attributes(kNoAttributes),
+      reference(points.reference.get()) {}
 
 WorldCoordinates::WorldCoordinates(const Vec3& origin, const std::vector<Vec3f>& positions)
     : origin_(origin), positions_(positions), shifted_(origin != Vec3{}) {

@@ -71,6 +71,7 @@ struct OutputContent {
   const AttributeTable& attributes;
   const std::vector<Triangle>& triangles;
   const AttributeTable& triangle_attributes;
+  const ReferenceSystem* reference = nullptr;  ///< null if unknown
 };
 
 /// Converts stored positions to output coordinates: world = origin + position.
@@ -110,6 +111,7 @@ std::vector<std::string> points_to_xyz(const PointSet& points, const WriteOption
 std::vector<std::string> points_to_csv(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions& options);
+std::vector<std::string> points_to_laz(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_vtp(const PointSet& points, const WriteOptions& options);
 
 std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptions& options);

@@ -2,21 +2,29 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "sansmesh/core/length_limits.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/io/points/merge_points.h"
 #include "sansmesh/io/readers.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 using io::Input;
+
+/// Relative difference of horizontal and vertical units that distorts shapes. The two feet differ by 2e-6.
+constexpr double kDistortion = 1e-4;
 
 std::string known_endings() {
   std::string known;
@@ -35,10 +43,30 @@ const FormatInfo* format_of_points(std::string_view bytes) {
   in.fail(fmt::format("holds a volume ({}), not points or a mesh", format.name));
 }
 
+/// Coordinates are used as they are: units that differ distort shapes.
+void warn_of_units(const Input& in, const ReferenceSystem& system) {
+  if (system.unit == "degree")
+    in.warn("its coordinates are angles in degrees: distances and shapes are wrong until they are projected");
+  else if (system.metres > 0 && system.vertical_metres > 0 &&
+           std::abs(system.metres / system.vertical_metres - 1) > kDistortion)
+    in.warn(
+        fmt::format("its heights are in another unit ({}) than its horizontal coordinates ({}): shapes are distorted",
+                    system.vertical_unit, system.unit));
+}
+
+/// Removes the points that are not in the box.
+void keep_box(PointSet& points, const Box3& box) {
+  std::vector<std::uint8_t> outside(points.size());
+  parallel_for(0, points.size(), 1 << 15,
+               [&](std::size_t i) { outside[i] = !box.contains(points.origin + Vec3(points.positions[i])); });
+  remove_samples(points, outside);
+}
+
+/// Empty if no point is in the box of the options.
 PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin,
-                  double smallest_extent) {
+                  double smallest_extent, const ReadOptions& options = {}) {
   const io::FileContent content(file);
-  const Input in{file, content.bytes(), report, origin, smallest_extent};
+  const Input in{file, content.bytes(), report, origin, smallest_extent, options};
   const std::string name = io::ending(file);
   const FormatInfo* by_name = format_of_name(file, kPoints);
   if (!by_name) by_name = format_of_name(file);
@@ -55,18 +83,38 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   if (by_content && by_name && by_content != by_name) {
     in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
   }
-  return format->read_points(in);
+  PointSet points = format->read_points(in);
+  if (!format->selects) in.warn_without_levels();
+  if (!points.reference && points.size() > 0) points.reference = io::system_beside(in);
+  report.reference = points.reference;
+  if (points.reference) warn_of_units(in, *points.reference);
+  if (options.box && !format->selects) keep_box(points, *options.box);
+  return points;
+}
+
+void check_options(const ReadOptions& options) {
+  if (options.box && options.box->empty()) throw ArgumentError("the box of points to read is empty");
+  if (options.resolution && !(*options.resolution > 0))
+    throw ArgumentError("the resolution of points to read must be greater than 0");
+}
+
+[[noreturn]] void fail_empty_box(const std::string& file, const Box3& box) {
+  throw FileError(file,
+                  "holds no points in the box from " + point_words(box.lower, 9) + " to " + point_words(box.upper, 9));
 }
 
 }  // namespace
 
 bool is_read(const std::string& file) { return format_of_name(file, kPoints) != nullptr; }
 
-PointSet read_points(const std::string& file, ReadReport* report) {
+PointSet read_points(const std::string& file, ReadReport* report, const ReadOptions& options) {
+  check_options(options);
   ReadReport own;
   ReadReport& r = report ? *report : own;
   r = {};
-  return read_any(file, r, {}, kSmallestExtent);
+  PointSet points = read_any(file, r, {}, kSmallestExtent, options);
+  if (points.size() == 0 && options.box) fail_empty_box(file, *options.box);
+  return points;
 }
 
 PointSet io::read_points_of_volume(const std::string& file, ReadReport& report) {
@@ -82,31 +130,60 @@ PolylineSet read_lines(const std::string& file) {
   return format && format->id == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
-PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {
-  if (files.empty()) throw ArgumentError("read_merged: no files");
-  if (files.size() == 1) return read_points(files[0], report);
-  ReadReport own;
-  ReadReport& all = report ? *report : own;
-  all = {};
+namespace {
+
+/// Clouds of several files about one origin, without those that have no points in the box.
+struct PartsOfFiles {
   std::vector<PointSet> parts;
+  std::vector<std::string> files;
+  ReadReport report;
+};
+
+PartsOfFiles read_parts(const std::vector<std::string>& files, std::optional<Vec3> origin, const ReadOptions& options) {
+  PartsOfFiles read;
   std::string formats;
   for (const std::string& file : files) {
     ReadReport of_file;
-    std::optional<Vec3> origin;
-    if (!parts.empty()) origin = parts[0].origin;
-    parts.push_back(read_any(file, of_file, origin, kSmallestExtent));
-    if (parts.back().triangles.empty() != parts[0].triangles.empty()) {
-      const bool mesh = parts[0].triangles.empty();
-      throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(files[0], 200) +
+    PointSet part = read_any(file, of_file, origin, kSmallestExtent, options);
+    if (part.size() == 0 && options.box) continue;
+    if (!origin) origin = part.origin;
+    read.parts.push_back(std::move(part)), read.files.push_back(file);
+    const PointSet &first = read.parts[0], &last = read.parts.back();
+    if (last.triangles.empty() != first.triangles.empty()) {
+      const bool mesh = first.triangles.empty();
+      throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(read.files[0], 200) +
                                 (mesh ? " none" : " does") + ": points and meshes cannot be read as one");
     }
+    ReadReport& all = read.report;
     for (const std::string& w : of_file.warnings) all.warnings.push_back(printable(file, 200) + ": " + w);
     for (const std::string& what : of_file.unread)
       if (std::find(all.unread.begin(), all.unread.end(), what) == all.unread.end()) all.unread.push_back(what);
     if (formats.find(of_file.format) == std::string::npos) formats += (formats.empty() ? "" : ", ") + of_file.format;
   }
-  all.format = fmt::format("{} files, {}", files.size(), formats);
-  return io::merge_points(files, std::move(parts), all);
+  if (read.parts.empty()) fail_empty_box(files[0] + " and the other files", *options.box);
+  read.report.format = fmt::format("{} files, {}", read.files.size(), formats);
+  return read;
+}
+
+}  // namespace
+
+PointSet read_merged(const std::vector<std::string>& names, ReadReport* report, const ReadOptions& options) {
+  if (names.empty()) throw ArgumentError("read_merged: no files");
+  const std::vector<std::string> files = io::list_cloud_files(names);
+  if (files.size() == 1) return read_points(files[0], report, options);
+  check_options(options);
+  PartsOfFiles read = read_parts(files, io::stated_origin(files), options);
+  // The origin of the whole cloud is known only now, unless the files' headers state their boxes.
+  if (const Vec3 origin = io::common_origin(read.parts); origin != read.parts[0].origin) {
+    read = {};
+    read = read_parts(files, origin, options);
+  }
+  ReadReport own;
+  ReadReport& all = report ? *report : own;
+  all = std::move(read.report);
+  PointSet merged = io::merge_points(read.files, std::move(read.parts), all);
+  all.reference = merged.reference;
+  return merged;
 }
 
 TriangleMesh read_mesh(const std::string& file, ReadReport* report) {

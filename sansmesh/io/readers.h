@@ -18,6 +18,8 @@ PointSet read_pcd(const Input& in);
 PointSet read_las(const Input& in);
 PointSet read_vtp(const Input& in);
 PointSet read_conf(const Input& in);
+/// All scans of an E57 file, with their poses.
+PointSet read_e57(const Input& in);
 /// read_points with a smaller limit on the extent: volumes are computed in double.
 PointSet read_points_of_volume(const std::string& file, ReadReport& report);
 /// The lines of a .vtp file; an empty set if it has none.

@@ -11,6 +11,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_destination.h"
+#include "sansmesh/io/reference_text.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -91,6 +92,7 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
   check_triangles(mesh.triangles, mesh.vertices.size());
   check_reach(file, mesh.vertices, mesh.origin);
   io::write_whole(file, writer.write_mesh(mesh, options));
+  io::write_system_beside(file, mesh.reference.get());
 }
 
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options) {
@@ -101,6 +103,7 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   check_triangles(points.triangles, points.size());
   check_reach(file, points.positions, points.origin);
   io::write_whole(file, writer.write_points(points, options));
+  if (!writer.holds_system) io::write_system_beside(file, points.reference.get());
 }
 
 bool is_written(const std::string& file, const std::string& kind) {
@@ -128,6 +131,7 @@ void write_lines(const std::string& file, const PolylineSet& lines, const WriteO
   lines.attributes.check_rows(lines.positions.size(), "points");
   lines.line_attributes.check_rows(lines.size(), "lines");
   io::write_whole(file, writer.write_lines(lines, options));
+  io::write_system_beside(file, lines.reference.get());
 }
 
 void write_text(const std::string& file, const std::string& text) { io::write_whole(file, {text}); }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -45,6 +46,7 @@ void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOption
 AlignResult align(const AnySurface& moving, const AnySurface& fixed, const SurfaceAlignmentOptions& options,
                   Progress& progress, const AffineMap& before) {
   options.validate();
+  require_same_system(moving.reference(), moving.name(), fixed.reference(), fixed.name());
   AlignResult result;
   result.moved = *moving.mesh(progress, result.notes);
   if (before != AffineMap()) transform(result.moved, before);
@@ -65,6 +67,7 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   add_alignment_notes(r, options, moving.name(), result.notes);
   const AffineMap motion = r.motion.map();
   transform(result.moved, motion);
+  result.moved.reference = result.fixed->reference;
   result.motion = motion.after(before);
   return result;
 }

@@ -75,6 +75,11 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
   });
 }
 
+const ReferenceSystem* AnySurface::reference() const {
+  if (function_) return function_->fitted().frame.reference.get();
+  return mesh_ ? mesh_->reference.get() : nullptr;
+}
+
 Box3 AnySurface::bounds() const {
   if (isosurface_) return field_->bounds();
   if (function_) return function_->bounds();

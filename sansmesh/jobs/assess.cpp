@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/points/face_shape.h"
@@ -61,6 +62,7 @@ AssessResult assess(const TriangleMesh& mesh, Progress& progress) {
 
 AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptions& options, Progress& progress) {
   options.validate();
+  require_same_system(mesh.reference.get(), "the surface", points.reference.get(), "the reference");
   AssessResult result = assess(mesh, progress);
   PointSet samples;
   if (!mesh.triangles.empty() && (points.triangles.empty() || vertices_are_dense(points))) {

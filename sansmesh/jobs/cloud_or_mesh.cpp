@@ -37,6 +37,7 @@ std::string left_of(std::size_t before, const CloudOrMesh& data) {
 PointSet vertices_of(TriangleMesh mesh) {
   PointSet points;
   points.origin = mesh.origin;
+  points.reference = mesh.reference;
   points.positions = std::move(mesh.vertices);
   points.normals = std::move(mesh.normals);
   points.colors = std::move(mesh.colors);
@@ -104,6 +105,8 @@ std::string move_all(CloudOrMesh& data, const AffineMap& map) {
   } catch (const ArgumentError& error) {
     throw DataError(error.what());
   }
+  auto& reference = data.is_mesh ? data.mesh.reference : data.points.reference;
+  if (reference && map != AffineMap()) data.former_reference = std::move(reference), reference = nullptr;
   if (map.is_translation()) return "";
   const AttributeTable& of_triangles = data.mesh.triangle_attributes;
   for (const AttributeTable* const table : {&data.attributes(), &of_triangles})

@@ -14,6 +14,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/points_signed_distance.h"
@@ -94,6 +95,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   const bool reversed = options.on == MapSide::reference;
   if (options.align && part.field() && reversed)
     throw ArgumentError("`align` moves meshes and points: with `on = reference`, the part may not be a function");
+  require_same_system(part.reference(), part.name(), reference.reference(), reference.name());
   CompareResult result;
   CompareReport& r = result.report;
   r.on = options.on, r.within = options.map.within;

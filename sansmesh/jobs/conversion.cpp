@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
@@ -82,14 +83,29 @@ ConvertStepReport apply_step(CloudOrMesh& data, const ConvertStep& step, ApplySt
   return done;
 }
 
+constexpr const char* kUnitsTogether =
+    "`unit` and `to_unit` belong together: from which unit to which (without `unit`, that of the reference system)";
+
+/// Unit of the lengths, if the reference system states one for all coordinates.
+std::string stated_unit(const CloudOrMesh& data) {
+  const auto& reference = data.is_mesh ? data.mesh.reference : data.points.reference;
+  if (!reference || (!reference->vertical_unit.empty() && reference->vertical_unit != reference->unit)) return {};
+  static constexpr std::pair<std::string_view, const char*> names[] = {
+      {"metre", "m"}, {"foot", "ft"}, {"US survey foot", "us-ft"}};
+  for (const auto& [name, unit] : names)
+    if (reference->unit == name) return unit;
+  return {};
+}
+
 }  // namespace
 
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
   static const OptionRow rows[] = {
       option<&O::vertices_only>({.text = "Only the vertices of a mesh", .old_name = "points"}),
-      option<&O::unit>(
-          {.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+      option<&O::unit>({.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft",
+                        .unit = "unit",
+                        .from_data = "that of the reference system"}),
       option_steps<&O::steps>(convert_step_rows())};
   return option_schema<rows>();
 }
@@ -105,8 +121,7 @@ void ConvertOptions::validate() const {
     if (std::holds_alternative<RotateStep>(step) || std::holds_alternative<ScaleStep>(step)) about_waits = false;
   }
   if (units > 1) throw ArgumentError("`to_unit` is given twice");
-  if ((units == 0) != unit.empty())
-    throw ArgumentError("`unit` and `to_unit` belong together: from which unit to which");
+  if (units == 0 && !unit.empty()) throw ArgumentError(kUnitsTogether);
   if (about_waits) throw ArgumentError("`about` is for `rotate` and `scale` after it, and none follows");
 }
 
@@ -158,7 +173,11 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
   if (options.vertices_only) data.make_points();
-  ApplyStep how{data, options.unit, progress};
+  const std::string unit = options.unit.empty() ? stated_unit(data) : options.unit;
+  for (const ConvertStep& step : options.steps)
+    if (const auto* const to = std::get_if<UnitStep>(&step); to && to->from.empty() && unit.empty())
+      throw ArgumentError(kUnitsTogether);
+  ApplyStep how{data, unit, progress};
   for (const ConvertStep& step : options.steps) {
     if (const auto* const about = std::get_if<AboutStep>(&step)) {
       how(*about);
@@ -172,6 +191,10 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
         {.code = "nonmanifold_weld",
          .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
                              counted(data.nonmanifold_edges_of_weld, "edge"))});
+  if (data.former_reference)
+    result.notes.push_back({.code = "moved_coordinates",
+                            .text = "moved coordinates are no longer in the reference system of the input (" +
+                                    system_words(*data.former_reference) + "), which was left out"});
   if (!data.untransformed.empty())
     result.notes.push_back({.code = "unturned",
                             .text = fmt::format("attributes of three numbers are not rotated: {}",

@@ -29,6 +29,7 @@ CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, 
     report.reason = reason;
   }
   result.mesh = std::move(*made);
+  result.mesh.reference = solid.parts().reference;
   result.notes = solid.open_notes();
   add_notes(result.notes, result.report.notes);
   return result;

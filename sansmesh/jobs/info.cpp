@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
@@ -84,6 +85,7 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   info.normals = judge_normals(points, info.noise.deviation);
   info.orient_by = first_known_orientation(points, info.noise.deviation);
   info.colors = points.has_colors();
+  info.reference = points.reference;
   info.scanners = points.scanners.size();
   describe(points.attributes, "point", info.attributes);
   describe(points.triangle_attributes, "triangle", info.attributes);
@@ -164,6 +166,11 @@ const ReportSchema& AttributeInfo::schema() {
 
 namespace {
 
+const ReferenceSystem& system_of(const CloudInfo& info) {
+  static const ReferenceSystem unknown;
+  return info.reference ? *info.reference : unknown;
+}
+
 std::optional<ReportCounts> counted_classes(const CloudInfo& info) {
   if (!info.classes) return std::nullopt;
   ReportCounts counts;
@@ -195,7 +202,19 @@ const ReportSchema& CloudInfo::schema() {
       reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
       reported<&CloudInfo::mesh>({.text = "Connectivity of the triangles, sewn along coincident borders"}),
       reported<[](const CloudInfo& r) { return counted_classes(r); }>(
-          {.name = "classes", .text = "Points of each class, by its number"})};
+          {.name = "classes", .text = "Points of each class, by its number"}),
+      reported<[](const CloudInfo& r) { return value_if(system_of(r).code != 0, system_of(r).code); }>(
+          {.name = "epsg", .text = "EPSG code of the reference system"}),
+      reported<[](const CloudInfo& r) {
+        return value_if(system_of(r).vertical_code != 0, system_of(r).vertical_code);
+      }>({.name = "vertical_epsg", .text = "EPSG code of the heights"}),
+      reported<[](const CloudInfo& r) { return value_if(system_of(r).metres > 0, system_of(r).metres); }>(
+          {.name = "metres_per_unit", .text = "Length of the unit of the coordinates", .unit = "metres"}),
+      reported<[](const CloudInfo& r) {
+        return value_if(!system_of(r).vertical_unit.empty(), system_of(r).vertical_unit);
+      }>({.name = "vertical_unit", .text = "Unit of the heights"}),
+      reported<[](const CloudInfo& r) { return value_if(!system_of(r).wkt.empty(), system_of(r).wkt); }>(
+          {.name = "wkt", .text = "Reference system as well-known text"})};
   return report_schema<rows>();
 }
 
@@ -241,6 +260,7 @@ std::vector<std::string> summary_of(const CloudInfo& made) {
        fmt::format("{}{}", grouped(made.points),
                    made.duplicates > 0 ? fmt::format(", {} of them duplicates", grouped(made.duplicates)) : ""));
   line("box", fmt::format("{}, {}", size_words(made.size), box_words(made.box)));
+  if (made.reference) line("system", system_words(*made.reference));
   line("spans", made.spans);
   line("spacing", length_words(made.spacing));
   line("noise", noise_words(made.noise, made.spacing));

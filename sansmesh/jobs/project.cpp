@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/schema/registry_words.h"
@@ -117,6 +118,8 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
     return result;
   }
   const std::string onto = input.onto ? input.onto_name : input.name;
+  if (input.onto)
+    require_same_system(input.points.reference.get(), input.name, input.onto->reference.get(), input.onto_name);
   result.points = on_surface(input, options, result, progress);
   if (result.points.size() == 0)
     throw DataError(fmt::format("{}: no point is near enough to the surface of {}", input.name, onto));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
@@ -45,6 +46,7 @@ class SolidReader {
   std::vector<std::string> files;
   std::map<std::string, SurfaceFunction> functions;
   std::vector<Note> notes;
+  std::shared_ptr<const ReferenceSystem> reference;  ///< common to the files; null if unknown
   std::map<std::string, CheckedMesh> meshes;
   bool all_meshes = false;  ///< no functions or volumes: meshes are read as faces
 
@@ -68,6 +70,12 @@ class SolidReader {
   }
 
  private:
+  void add_reference(const std::string& name, const std::shared_ptr<const ReferenceSystem>& of_file) {
+    if (!of_file) return;
+    require_same_system(reference.get(), reference_from_, of_file.get(), name);
+    if (!reference) reference = of_file, reference_from_ = name;
+  }
+
   void add_file(const std::string& name) {
     if (std::find(files.begin(), files.end(), name) == files.end()) files.push_back(name);
   }
@@ -76,6 +84,7 @@ class SolidReader {
     auto known = functions.find(name);
     if (known == functions.end()) known = functions.emplace(name, read_function(name)).first;
     add_file(name);
+    add_reference(name, known->second.fitted().frame.reference);
     return known->second.shared();
   }
 
@@ -90,6 +99,7 @@ class SolidReader {
 
   CheckedMesh load_solid(const std::string& name) {
     TriangleMesh loaded = load_mesh(name);
+    add_reference(name, loaded.reference);
     std::vector<std::string> warnings;
     try {
       CheckedMesh checked;
@@ -112,6 +122,7 @@ class SolidReader {
   }
 
   Progress& progress_;
+  std::string reference_from_;  ///< file that stated the reference system
 };
 
 }  // namespace
@@ -169,7 +180,7 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
           [&](const std::string& name) { return meshes.at(name).distance(name, true); });
     });
   return SolidModel({expression, std::move(outline), whole, std::move(reader.files), std::move(reader.functions),
-                     std::move(reader.notes)});
+                     std::move(reader.notes), std::move(reader.reference)});
 }
 
 const ReportSchema& SolidModel::schema() {

@@ -38,6 +38,7 @@ struct SolidParts {
   std::vector<std::string> files = {};                    ///< files in the expression
   std::map<std::string, SurfaceFunction> functions = {};  ///< the functions among them
   std::vector<Note> notes = {};
+  std::shared_ptr<const ReferenceSystem> reference = {};  ///< common reference system of the files; null if unknown
 
   const Solid& solid() const { return whole ? whole->get() : outline; }
 

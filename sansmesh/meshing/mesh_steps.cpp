@@ -117,6 +117,7 @@ void choose_solids(const TriangleMesh& mesh, const MeshComponents& components, c
 TriangleMesh both(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh mesh;
   mesh.origin = a.origin;
+  mesh.reference = a.reference;
   mesh.vertices = a.vertices;
   mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
   mesh.triangles = a.triangles;

@@ -148,6 +148,7 @@ SampleTree sort_samples(PointSet& points, const PartitionData& data, PointSet* s
   if (!sorted) return tree;
   *sorted = PointSet{};
   sorted->origin = points.origin;
+  sorted->reference = points.reference;
   if (points.has_colors()) {
     sorted->colors.resize(order.size());
     parallel_for(0, order.size(), 16384, [&](std::size_t i) { sorted->colors[i] = points.colors[order[i]]; });

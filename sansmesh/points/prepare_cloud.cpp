@@ -289,6 +289,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   check_shape(points, 1, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();
   result.frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  result.frame.reference = points.reference;
   move_from_input(points, result.frame);
   result.points = std::move(points);
   return result;

@@ -62,6 +62,7 @@ PointSet sample_faces(const PointSet& mesh, std::size_t count) {
   const std::vector<FaceSample> samples = sample_triangles(mesh.positions, mesh.triangles, count);
   PointSet cloud;
   cloud.origin = mesh.origin;
+  cloud.reference = mesh.reference;
   cloud.positions.resize(samples.size());
   cloud.normals.resize(samples.size());
   if (mesh.has_colors()) cloud.colors.resize(samples.size());

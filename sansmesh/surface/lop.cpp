@@ -443,7 +443,8 @@ PointSet consolidate(const PointSet& points, const LopOptions& options, Progress
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(p);
   const Vec3f size = box.empty() ? Vec3f{} : box.size();
-  const LocalFrame frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  LocalFrame frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  frame.reference = points.reference;
   PointSet scaled = points;
   move_from_input(scaled, frame);
   LopOptions inner = options;

@@ -231,7 +231,7 @@ TEST(Reading, UnknownEndingsNameTheKnownOnes) {
   const std::string rows = "1 2 3\n4 5 6\n";
   for (const char* name : {"a.docx", "a.", "a", "a.xyz2", "a.gz"})
     expect_unreadable(folder.put(name, rows), "ply obj off");
-  expect_unreadable(folder.put("a.laz", rows), "LAZ");
+  expect_unreadable(folder.put("a.laz", rows), "is not a LAS file");
   expect_unreadable(folder.put("a.e57", rows), "E57");
   expect_unreadable(folder.put("a.fbx", rows), "convert it");
   expect_unreadable(folder.put("a.glb", rows), "no JSON");

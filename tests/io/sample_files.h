@@ -1,4 +1,4 @@
-// Files of every readable format, made byte by byte and independently of the library's writers.
+// Files of every readable format, made byte by byte and, except for LAZ, independently of the library's writers.
 #pragma once
 
 #include <zlib.h>
@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 
+#include "compress_las.h"
 #include "io_test_tools.h"
 
 namespace sansmesh::test {
@@ -363,6 +364,8 @@ inline std::vector<SampleFile> sample_files() {
           {"compressed.pcd", make_pcd("binary_compressed"), true},
           {"12.las", make_las(2, 3), true},
           {"14.las", make_las(4, 7), true},
+          {"12.laz", compress_las(make_las(2, 3), 7), true},
+          {"14.laz", compress_las(make_las(4, 7), 7), true},
           {"ascii.vtp", make_vtp({}), false},
           {"binary.vtp", make_vtp({.format = "binary"}), false},
           {"appended.vtp", make_vtp({.format = "appended", .compressed = true}), false},

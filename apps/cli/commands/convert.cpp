@@ -17,6 +17,7 @@
 #include "cli/report/mesh_words.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/jobs/frame_names.h"
 
 namespace sansmesh::cli {
@@ -55,7 +56,7 @@ const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
 std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t parts, Console& console) {
   std::vector<std::string> names(parts);
   for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a.output, k + 1, parts);
-  check_inputs_stay(a.input.files, names);
+  check_inputs_stay(io::list_cloud_files(a.input.files), names);
   std::error_code none;
   const std::string beyond = part_name(a.output, parts + 1, parts);
   if (std::filesystem::exists(beyond, none))

@@ -56,7 +56,8 @@ DeformKind check_deform(DeformArguments& a) {
 DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& summary,
                            Console& console) {
   if (kind == DeformKind::points) {
-    const CloudInput cloud{a.input.files, {}, {}, {}};
+    CloudInput cloud;
+    cloud.files = a.input.files;
     ReadReport read;
     PointSet points = cloud.read(console, read);
     console.report(cloud.report(read, points.size()), "input");

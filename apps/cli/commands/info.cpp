@@ -65,6 +65,7 @@ Command add_info(CommandLine& app) {
                                       "File → description: points, box, spacing, noise, normals, faces; grid "
                                       "and arrays of volumes");
   auto input = std::make_shared<CloudInput>();
+  input->names_system = false;
   auto volume = std::make_shared<VolumeInput>();
   add_cloud_input(
       c, *input,

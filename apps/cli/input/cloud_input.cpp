@@ -4,8 +4,11 @@
 
 #include "cli/line/command_line.h"
 #include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface_function.h"
@@ -43,16 +46,20 @@ std::string CloudInput::name() const {
 bool CloudInput::is_function() const {
   if (files.size() != 1 || !is_function_file(files[0])) return false;
   if (classes) throw ArgumentError("--class and --without-class are for points: the input is a function");
+  if (part.box || part.resolution)
+    throw ArgumentError("--read-box and --read-spacing are for points: the input is a function");
   return true;
 }
 
 PointSet CloudInput::read(Console& console, ReadReport& report) const {
   console.progress().begin("read");
-  PointSet points = read_merged(files, &report);
-  if (files.size() == 1)
-    console.warn(files[0], report.warnings);
+  const std::vector<std::string> all = io::list_cloud_files(files);
+  PointSet points = read_merged(all, &report, part);
+  if (all.size() == 1)
+    console.warn(all[0], report.warnings);
   else
     console.warn(report.warnings);
+  if (names_system && report.reference) console.print(fmt::format("{}: {}", name(), system_words(*report.reference)));
   if (classes) {
     const std::size_t given = points.size();
     try {
@@ -74,9 +81,13 @@ template void add_surface_input(CommandLine&, const std::string&, std::string&, 
 template void add_surface_input(CommandLine&, const std::string&, std::vector<std::string>&, const std::string&);
 
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
-  add_surface_input(c, "input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""));
+  add_surface_input(c, "input", input.files,
+                    what + (as_one ? "; several files (tiles), folders, patterns and lists are read as one" : ""));
   add_class_options(c, input);
+  add_read_options(c, input);
 }
+
+void add_read_options(CommandLine& c, CloudInput& input) { add_schema(c, input.part, {.group = "Input"}); }
 
 void add_class_options(CommandLine& c, CloudInput& input, const std::string& of) {
   c.add_option_function(

@@ -22,13 +22,17 @@ struct CloudInput {
   std::vector<std::string> files;       ///< not empty after parsing
   std::string with, without;            ///< values of --class and --without-class
   std::optional<PointClasses> classes;  ///< derived from these
+  bool names_system = true;             ///< prints the reference system and unit of the files, if known
+  ReadOptions part;                     ///< the part of the files to read
 
   /// "a.las", "a.las and 2 other files"
   std::string name() const;
   ReadFiles report() const { return {files}; }
   /// Also reports what was read.
-  ReadCloud report(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
-  /// True for a function file, false for a cloud. Throws ArgumentError if point classes were given for a function.
+  ReadCloud report(const ReadReport& read, std::size_t points) const {
+    return {{files}, read.format, points, read.reference};
+  }
+  /// True for a function file, false for a cloud. Throws ArgumentError if points of a function were selected.
   bool is_function() const;
   /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings
   /// are sent to the console. Throws FileError.
@@ -50,7 +54,10 @@ template <class Files>
 void add_surface_input(CommandLine& command, const std::string& name, Files& files, const std::string& what);
 /// Adds --class and --without-class. `of`: the cloud, for commands that read several: " of the reference".
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
-/// Adds the files, --class and --without-class. `what` describes the files; `as_one`: several files form one cloud.
+/// Adds --read-box and --read-spacing.
+void add_read_options(CommandLine& command, CloudInput& input);
+/// Adds the files and the options that select points. `what` describes the files; `as_one`: several files form one
+/// cloud.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what, bool as_one = true);
 
 /// Spacing and noise of a cloud as read; all commands report these values.

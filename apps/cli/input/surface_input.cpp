@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cli/input/volume_input.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/io.h"
 
 namespace sansmesh::cli {
@@ -12,7 +13,9 @@ const ReportSchema& ReadSurface::schema() {
       reported_base<ReadFiles, ReadSurface>(),
       reported<&ReadSurface::kind>({.text = "Kind of the surface: mesh, points, function or isosurface"}),
       reported_inline<&ReadSurface::volume>(),
-      reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"})};
+      reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"}),
+      reported<&ReadSurface::reference_system>({.text = "Coordinate reference system of the file"}),
+      reported<&ReadSurface::unit>({.text = "Unit of all lengths, if the file states it"})};
   return report_schema<rows>();
 }
 
@@ -36,6 +39,10 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
   };
   AnySurface surface = opened();
   report.kind = surface.kind_word();
+  if (const ReferenceSystem* const system = surface.reference()) {
+    report.reference_system = system_words(*system);
+    if (!system->unit.empty()) report.unit = system->unit;
+  }
   return {std::move(surface), std::move(report), std::move(read)};
 }
 

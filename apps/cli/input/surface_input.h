@@ -14,9 +14,10 @@ namespace sansmesh::cli {
 
 /// Report of a surface that was read.
 struct ReadSurface : ReadFiles {
-  std::string kind = {};                 ///< kind of the surface
-  std::optional<VolumeUse> volume = {};  ///< for isosurfaces
-  std::optional<double> value = {};      ///< for isosurfaces
+  std::string kind = {};                                        ///< kind of the surface
+  std::optional<VolumeUse> volume = {};                         ///< for isosurfaces
+  std::optional<double> value = {};                             ///< for isosurfaces
+  std::optional<std::string> reference_system = {}, unit = {};  ///< unknown ones are empty
 
   static const ReportSchema& schema();
 };

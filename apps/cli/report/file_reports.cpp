@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "sansmesh/data/reference_system.h"
+
 namespace sansmesh::cli {
 namespace {
 
@@ -12,13 +14,25 @@ std::optional<std::string> single(const std::vector<std::string>& files) {
   return files.size() == 1 ? std::optional(files[0]) : std::nullopt;
 }
 
+std::optional<std::string> system_name(const ReadCloud& r) {
+  return r.reference ? std::optional(system_words(*r.reference)) : std::nullopt;
+}
+
+std::optional<std::string> length_unit(const ReadCloud& r) {
+  return r.reference && !r.reference->unit.empty() ? std::optional(r.reference->unit) : std::nullopt;
+}
+
 constexpr ReportRow kReadFiles[] = {
     reported<[](const ReadFiles& r) { return single(r.files); }>({.name = "file", .text = "File, if there is one"}),
     reported<[](const ReadFiles& r) { return value_if(r.files.size() != 1, r.files); }>(
         {.name = "files", .text = "Files, if there are several"})};
-constexpr ReportRow kReadCloud[] = {reported_base<ReadFiles, ReadCloud>(),
-                                    reported<&ReadCloud::format>({.text = "Format of the file"}),
-                                    reported<&ReadCloud::points>({.text = "Points or vertices of the input"})};
+constexpr ReportRow kReadCloud[] = {
+    reported_base<ReadFiles, ReadCloud>(), reported<&ReadCloud::format>({.text = "Format of the file"}),
+    reported<&ReadCloud::points>({.text = "Points or vertices of the input"}),
+    reported<[](const ReadCloud& r) { return system_name(r); }>(
+        {.name = "reference_system", .text = "Coordinate reference system of the file"}),
+    reported<[](const ReadCloud& r) { return length_unit(r); }>(
+        {.name = "unit", .text = "Unit of all lengths, if the file states it"})};
 constexpr ReportRow kReadMesh[] = {reported<&ReadMesh::file>({.text = "File"}),
                                    reported<&ReadMesh::triangles>({.text = "Triangles of the mesh"})};
 constexpr ReportRow kFileReport[] = {reported<&FileReport::file>({.text = "File"})};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct ReadFiles {
 struct ReadCloud : ReadFiles {
   std::string format;
   std::size_t points = 0;
+  std::shared_ptr<const ReferenceSystem> reference;  ///< null if unknown
 
   static const ReportSchema& schema();
 };

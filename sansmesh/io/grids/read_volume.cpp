@@ -18,6 +18,7 @@
 #include "sansmesh/io/grids/vtk_size.h"
 #include "sansmesh/io/meshes/vtk_xml.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
@@ -338,7 +339,7 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
 
 bool is_volume_name(const std::string& file) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return true;
+  if (std::filesystem::is_directory(file, ignored)) return !io::is_cloud_folder(file);  // slices of DICOM
   const auto format = volume_format_of_name(file);
   return format && format != FormatId::table;
 }

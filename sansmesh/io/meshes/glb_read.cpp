@@ -17,6 +17,7 @@
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/readers.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/local_frame.h"
 
 namespace sansmesh::inline v1::io {
@@ -156,10 +157,23 @@ class GlbReader {
     if (!points_.triangles.empty() && points_.attributes.empty()) join_corners();
     store_positions(in_, points_, positions_.size(), [&](std::size_t i) { return positions_[i]; });
     finish(in_, points_);
+    points_.reference = system_of_extras();
     return std::move(points_);
   }
 
  private:
+  /// Extras may be of any kind, and other programs write other ones.
+  SharedSystem system_of_extras() const {
+    const json* at = &document_.root();
+    for (const char* const key : {"asset", "extras", kSystemExtra}) {
+      if (!at->is_object()) return nullptr;
+      const auto found = at->find(key);
+      if (found == at->end()) return nullptr;
+      at = &*found;
+    }
+    return at->is_string() ? system_of_text(at->get_ref<const std::string&>()) : nullptr;
+  }
+
   static bool is_triangles(std::size_t mode) { return mode >= kGltfTriangles && mode <= kGltfFan; }
 
   const json& primitives_of(const PlacedMesh& placed) const {

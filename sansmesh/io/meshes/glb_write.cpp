@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/reference_text.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -87,6 +88,8 @@ void append(std::string& s, T value) {
 
 std::vector<std::string> mesh_to_glb(const TriangleMesh& m, const WriteOptions&) {
   json document = {{"asset", {{"version", "2.0"}, {"generator", "sansmesh"}}}, {"scene", 0}};
+  if (const std::string system = system_line(m.reference.get()); !system.empty())
+    document["asset"]["extras"][kSystemExtra] = system;
   json node = json::object();
   GlbBody body;
   if (!m.vertices.empty() && !m.triangles.empty()) {

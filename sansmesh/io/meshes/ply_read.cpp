@@ -11,6 +11,7 @@
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/readers.h"
+#include "sansmesh/io/reference_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
@@ -408,6 +409,7 @@ PointSet read_ply(const Input& in) {
   }
   report_skipped(in, header);
   finish(in, points);
+  points.reference = system_of_ply(in.bytes);
   return points;
 }
 

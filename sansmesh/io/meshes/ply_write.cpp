@@ -3,6 +3,7 @@
 
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/points/output_columns.h"
+#include "sansmesh/io/reference_text.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -20,8 +21,10 @@ std::vector<std::string> to_ply(const OutputContent& v, const WriteOptions& opti
   const WorldCoordinates world(v.origin, v.positions);
   const bool wide = world.needs_double();
 
-  std::string header =
-      fmt::format("ply\nformat {} 1.0\nelement vertex {}\n", options.ascii ? "ascii" : "binary_little_endian", n);
+  std::string header = fmt::format("ply\nformat {} 1.0\n", options.ascii ? "ascii" : "binary_little_endian");
+  if (const std::string system = system_line(v.reference); !system.empty())
+    header += std::string(kSystemComment) + system + "\n";
+  header += fmt::format("element vertex {}\n", n);
   std::vector<std::string> taken;
   const auto property = [&](const char* type, const std::string& name) {
     header += fmt::format("property {} {}\n", type, name);
@@ -92,7 +95,8 @@ std::vector<std::string> mesh_to_ply(const TriangleMesh& m, const WriteOptions& 
 std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptions& options) {
   // The vertices of a cloud, then the edges.
   PointSet points;
-  points.origin = lines.origin, points.positions = lines.positions, points.attributes = lines.attributes;
+  points.origin = lines.origin, points.reference = lines.reference, points.positions = lines.positions,
+  points.attributes = lines.attributes;
   std::vector<std::string> parts = to_ply(OutputContent(points), options);
   std::vector<std::array<std::uint32_t, 2>> edges;
   edges.reserve(lines.positions.size());

@@ -1,12 +1,15 @@
-// LAS output: version 1.2 if its point formats hold everything, else 1.4. Attributes without a field in a record become
-// "extra bytes", which the header describes.
+// LAS and LAZ output: version 1.2 if its point formats hold everything, else 1.4. Attributes without a field in a
+// record become "extra bytes", which the header describes.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/io/binary.h"
+#include "sansmesh/io/laz/write_laz.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/las_reference.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -106,8 +109,25 @@ struct LasScale {
   Box3 box;  ///< box of the written points
 };
 
-/// A decimal step below the resolution of the cloud's floats: less than a quarter of the difference of adjacent floats
-/// at its edge. 2^31 steps then reach far beyond the cloud.
+/// Whether all coordinates are multiples of a step, up to the rounding of the cloud's floats.
+bool is_on_grid(const PointSet& points, const Vec3& offset, double step) {
+  return parallel_reduce(
+      points.size(), 1 << 15, true,
+      [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t k = 0; k < 3; ++k) {
+            const double p = static_cast<double>(points.positions[i][k]), x = points.origin[k] + p;
+            const double rounding = std::abs(p) * 0x1p-24 + std::abs(x) * 0x1p-50;
+            if (std::abs(std::remainder(x - offset[k], step)) > rounding) return false;
+          }
+        return true;
+      },
+      [](bool a, bool b) { return a && b; });
+}
+
+/// The largest step of 1, 1/2 or 1/4 decimal unit of which all coordinates are multiples, as in most surveys: their
+/// integers stay as they were, and compress well. Otherwise a step below the resolution of the cloud's floats: less
+/// than a quarter of the difference of adjacent floats at its edge. 2^31 steps reach far beyond the cloud.
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
@@ -121,9 +141,13 @@ LasScale las_scale(const PointSet& points) {
     farthest = std::max({farthest, std::abs(s.box.upper[k]), std::abs(s.box.lower[k])});
   }
   extent = std::max(extent, farthest * 1e-9);
-  if (extent > 0) s.step = power_of_ten(index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300));
-  const double coarse = s.step * 1e7;
+  const int finest = extent > 0 ? index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300) : -3;
+  const double coarse = power_of_ten(finest) * 1e7;
   for (std::size_t k = 0; k < 3; ++k) s.offset[k] = std::round(s.box.center()[k] / coarse) * coarse;
+  for (int power = finest + 7; power > finest; --power)
+    for (const double part : {1.0, 0.5, 0.25})
+      if (s.step = part * power_of_ten(power); is_on_grid(points, s.offset, s.step)) return s;
+  s.step = power_of_ten(finest);
   return s;
 }
 
@@ -189,21 +213,27 @@ LasLayout las_layout(const PointSet& points) {
 }
 
 /// The header with the descriptions of extra bytes.
-std::string las_header(const LasLayout& l, std::size_t n) {
+std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem* reference) {
   const LasFields& f = l.fields;
   const LasScale& scale = l.scale;
   std::string header(l.wide ? 375 : 227, '\0');
-  const std::string described = describe_extras(l.extras);
+  std::string described = describe_extras(l.extras);
+  const std::vector<std::string> system =
+      reference ? las_reference_records(*reference, l.wide) : std::vector<std::string>();
+  for (const std::string& record : system) described += record;
+  // The wide formats require the bit for WKT, unless only GeoTIFF keys are known.
+  const bool is_wkt = l.wide && (!reference || system.empty() || !wkt_of(*reference).empty());
   header.replace(0, 4, "LASF");
   header[24] = 1, header[25] = l.wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
   // Times outside of a week are adjusted standard times, which are negative before September 2011.
   bool beyond = false;
   for (std::size_t i = 0; f.time && i < n; ++i) beyond |= !(f.time->number(i) >= 0 && f.time->number(i) <= 7 * 86400);
-  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (l.wide ? 16 : 0)));
+  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (is_wkt ? 16 : 0)));
   put_at(header, 94, static_cast<std::uint16_t>(header.size()));
   put_at(header, 96, static_cast<std::uint32_t>(header.size() + described.size()));
-  put_at(header, 100, static_cast<std::uint32_t>((l.extras.size() + kMostDescribed - 1) / kMostDescribed));
+  put_at(header, 100,
+         static_cast<std::uint32_t>((l.extras.size() + kMostDescribed - 1) / kMostDescribed + system.size()));
   header[104] = static_cast<char>(l.format);
   put_at(header, 105, static_cast<std::uint16_t>(l.record));
   std::array<std::uint64_t, 16> of_return{};
@@ -230,44 +260,63 @@ std::string las_header(const LasLayout& l, std::size_t n) {
   return header + described;
 }
 
+/// Writes the record of point i; returns its end.
+char* put_las_record(const LasLayout& l, const PointSet& points, std::size_t i, char* p) {
+  const LasFields& f = l.fields;
+  const Vec3 x = points.origin + Vec3(points.positions[i]);
+  for (std::size_t k = 0; k < 3; ++k)
+    p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - l.scale.offset[k]) / l.scale.step)));
+  p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
+  const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
+  const auto flags = value_of<unsigned>(f.synthetic, i);
+  const auto category = value_of<unsigned>(f.classification, i);
+  const auto byte = [&](unsigned value) { p = put_bytes(p, static_cast<std::uint8_t>(value)); };
+  if (l.wide) {
+    byte(number | returns << 4), byte(flags | value_of<unsigned>(f.overlap, i) << 3), byte(category);
+    byte(value_of<unsigned>(f.user_data, i));
+    p = put_bytes(p, static_cast<std::int16_t>(std::lround(value_of<double>(f.scan_angle, i) / kAngleStep)));
+  } else {
+    byte(number | returns << 3), byte(category | flags << 5);
+    p = put_bytes(p, static_cast<std::int8_t>(value_of<double>(f.scan_angle, i)));
+    byte(value_of<unsigned>(f.user_data, i));
+  }
+  p = put_bytes(p, value_of<std::uint16_t>(f.source, i));
+  if (l.wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
+  for (std::size_t k = 0; l.format != 6 && (l.colors || l.wide) && k < 3; ++k)
+    p = put_bytes(p, static_cast<std::uint16_t>(l.colors ? points.colors[i][k] << 8 : 0));
+  if (f.infrared) p = put_bytes(p, value_of<std::uint16_t>(f.infrared, i));
+  for (const ExtraBytes& e : l.extras)
+    std::visit(
+        [&](const auto& values) {
+          for (std::size_t c = 0; c < e.components; ++c)
+            p = put_bytes(p, values[i * e.attribute->components + e.first + c]);
+        },
+        e.attribute->values);
+  return p;
+}
+
 }  // namespace
 
 std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions&) {
   const LasLayout l = las_layout(points);
-  const LasFields& f = l.fields;
-  std::vector<std::string> parts{las_header(l, points.size())};
-  append_rows(parts, points.size(), l.record, [&](std::size_t i, char* p) {
-    const Vec3 x = points.origin + Vec3(points.positions[i]);
-    for (std::size_t k = 0; k < 3; ++k)
-      p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - l.scale.offset[k]) / l.scale.step)));
-    p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
-    const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
-    const auto flags = value_of<unsigned>(f.synthetic, i);
-    const auto category = value_of<unsigned>(f.classification, i);
-    const auto byte = [&](unsigned value) { p = put_bytes(p, static_cast<std::uint8_t>(value)); };
-    if (l.wide) {
-      byte(number | returns << 4), byte(flags | value_of<unsigned>(f.overlap, i) << 3), byte(category);
-      byte(value_of<unsigned>(f.user_data, i));
-      p = put_bytes(p, static_cast<std::int16_t>(std::lround(value_of<double>(f.scan_angle, i) / kAngleStep)));
-    } else {
-      byte(number | returns << 3), byte(category | flags << 5);
-      p = put_bytes(p, static_cast<std::int8_t>(value_of<double>(f.scan_angle, i)));
-      byte(value_of<unsigned>(f.user_data, i));
-    }
-    p = put_bytes(p, value_of<std::uint16_t>(f.source, i));
-    if (l.wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
-    for (std::size_t k = 0; l.format != 6 && (l.colors || l.wide) && k < 3; ++k)
-      p = put_bytes(p, static_cast<std::uint16_t>(l.colors ? 257 * points.colors[i][k] : 0));
-    if (f.infrared) p = put_bytes(p, value_of<std::uint16_t>(f.infrared, i));
-    for (const ExtraBytes& e : l.extras)
-      std::visit(
-          [&](const auto& values) {
-            for (std::size_t c = 0; c < e.components; ++c)
-              p = put_bytes(p, values[i * e.attribute->components + e.first + c]);
-          },
-          e.attribute->values);
-    return p;
-  });
+  std::vector<std::string> parts{las_header(l, points.size(), points.reference.get())};
+  append_rows(parts, points.size(), l.record, [&](std::size_t i, char* p) { return put_las_record(l, points, i, p); });
+  return parts;
+}
+
+std::vector<std::string> points_to_laz(const PointSet& points, const WriteOptions&) {
+  const LasLayout l = las_layout(points);
+  const laz::LazLayout packed = laz::laz_layout(l.format, l.record);
+  std::vector<std::string> parts{las_header(l, points.size(), points.reference.get()) + laz::laz_vlr(packed)};
+  std::string& header = parts[0];
+  header[104] = static_cast<char>(l.format | 0x80);
+  put_at(header, 96, static_cast<std::uint32_t>(header.size()));
+  put_at(header, 100, load<std::uint32_t>(header.data() + 100) + 1);
+  std::vector<std::string> rest =
+      laz::laz_points(packed, points.size(), header.size(), [&](std::size_t first, std::size_t last, char* p) {
+        for (std::size_t i = first; i < last; ++i) p = put_las_record(l, points, i, p);
+      });
+  std::move(rest.begin(), rest.end(), std::back_inserter(parts));
   return parts;
 }
 

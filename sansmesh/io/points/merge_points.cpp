@@ -1,10 +1,16 @@
 #include "sansmesh/io/points/merge_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <string_view>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io/binary.h"
+#include "sansmesh/io/points/assemble_points.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -85,7 +91,72 @@ AttributeTable join(const std::vector<std::string>& files, const std::vector<Poi
   return all;
 }
 
+/// Box of a LAS or LAZ file of any version, as its header states it.
+std::optional<Box3> stated_box(const std::string& file) {
+  constexpr std::size_t bytes = 227, at = 179;
+  char header[bytes];
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(header, bytes) || std::string_view(header, 4) != "LASF") return std::nullopt;
+  Box3 box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.upper[k] = load<double>(header + at + 16 * k);
+    box.lower[k] = load<double>(header + at + 16 * k + 8);
+    if (!(box.lower[k] <= box.upper[k]) || !std::isfinite(box.upper[k] - box.lower[k])) return std::nullopt;
+  }
+  return box;
+}
+
+/// The common reference system. Throws FileError if two files state different ones.
+SharedSystem join_systems(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
+                          ReadReport& report) {
+  const auto states = [](const PointSet& part) { return part.reference != nullptr; };
+  const auto known = static_cast<std::size_t>(std::find_if(parts.begin(), parts.end(), states) - parts.begin());
+  if (known == parts.size()) return nullptr;
+  std::size_t unknown = 0, first_unknown = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (!parts[k].reference && unknown++ == 0) first_unknown = k;
+    if (!may_be_equal(parts[known].reference.get(), parts[k].reference.get()))
+      throw FileError(files[k], "its reference system is " + system_words(*parts[k].reference) + ", and that of " +
+                                    printable(files[known], 200) + " is " + system_words(*parts[known].reference) +
+                                    ": they cannot be read as one");
+  }
+  if (unknown > 0)
+    report.warnings.push_back(printable(files[first_unknown], 200) +
+                              (unknown > 1 ? " and " + grouped(unknown - 1) + " more state" : ": states") +
+                              " no reference system: that of the other files is assumed, " +
+                              system_words(*parts[known].reference));
+  return parts[known].reference;
+}
+
 }  // namespace
+
+std::optional<Vec3> stated_origin(const std::vector<std::string>& files) {
+  Box3 all;
+  for (const std::string& file : files) {
+    const std::optional<Box3> box = stated_box(file);
+    if (!box) return std::nullopt;
+    all.extend(box->lower), all.extend(box->upper);
+  }
+  return choose_origin(all);
+}
+
+Vec3 common_origin(std::span<const PointSet> parts) {
+  std::size_t n = 0;
+  for (const PointSet& part : parts) n += part.size();
+  // The selection of store_positions in a file with all points.
+  const std::size_t step = 1 + n / (1 << 16);
+  std::vector<Vec3> some;
+  Box3 box;
+  std::size_t first = 0;
+  for (const PointSet& part : parts) {
+    const Box3f own = bounds(part);
+    box.extend(part.origin + Vec3(own.lower)), box.extend(part.origin + Vec3(own.upper));
+    for (std::size_t i = (step - first % step) % step; i < part.size(); i += step)
+      some.push_back(part.origin + Vec3(part.positions[i]));
+    first += part.size();
+  }
+  return choose_origin(box, some);
+}
 
 PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report) {
   std::vector<std::size_t> points(parts.size()), triangles(parts.size());
@@ -99,6 +170,7 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
   }
   PointSet all;
   all.origin = parts[0].origin;
+  all.reference = join_systems(files, parts, report);
   all.attributes = join(files, parts, &PointSet::attributes, points, report);
   all.triangle_attributes = join(files, parts, &PointSet::triangle_attributes, triangles, report);
   number_scans(files, points, parts, all, report);

@@ -208,6 +208,7 @@ TriangleMesh tubes(const PolylineSet& lines, const TubeOptions& options) {
 
   TriangleMesh mesh;
   mesh.origin = lines.origin;
+  mesh.reference = lines.reference;
   std::size_t vertices = 0, triangles = 0;
   for (const TubePart& part : parts) vertices += part.positions.size(), triangles += part.triangles.size();
   if (vertices > std::numeric_limits<std::uint32_t>::max()) throw DataError("too many points for tubes");

@@ -72,6 +72,7 @@ std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshC
   parallel_for(0, parts, 1, [&](std::size_t c) {
     TriangleMesh& part = result[c];
     part.origin = mesh.origin;
+    part.reference = mesh.reference;
     part.vertices.reserve(vertices[c].size());
     for (const std::uint32_t v : vertices[c]) {
       part.vertices.push_back(mesh.vertices[v]);

@@ -43,6 +43,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
   SewnMesh result;
   TriangleMesh& sewn = result.mesh;
   sewn.origin = mesh.origin;
+  sewn.reference = mesh.reference;
   sewn.vertices = mesh.vertices;
   sewn.triangles.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)

@@ -1,0 +1,98 @@
+// Models of integers in LAZ: the difference to a prediction as the number of its bits and its place among the numbers
+// with as many bits.
+#pragma once
+
+#include <cstdint>
+
+#include "sansmesh/io/laz/arithmetic_coder.h"
+
+namespace sansmesh::inline v1::io::laz {
+
+/// Integers of `Bits` (8, 16 or 32) bits in one of several contexts.
+template <unsigned Bits, unsigned Contexts = 1>
+class IntegerModel {
+ public:
+  /// Codes `value`. Integers of less than 32 bits are unsigned.
+  template <class Coder>
+  std::int32_t code(Coder& coder, std::int32_t predicted, std::int32_t value, unsigned context = 0) {
+    std::uint32_t difference = 0;
+    if constexpr (Coder::kEncodes) difference = wrap(static_cast<std::uint32_t>(value) - predicted);
+    // Differences of k bits are -(2^k - 1)..-2^(k-1) and 2^(k-1) + 1..2^k; those of 0 bits are 0 and 1.
+    const auto d = static_cast<std::int32_t>(difference);
+    bits_ = static_cast<unsigned>(std::bit_width(d <= 0 ? 0u - difference : difference - 1));
+    bits_ = coder.symbol(lengths_[context], bits_);
+    difference = code_place(coder, difference);
+    if constexpr (Coder::kEncodes) return value;
+    const std::uint32_t sum = static_cast<std::uint32_t>(predicted) + difference;
+    if constexpr (Bits < 32) return static_cast<std::int32_t>(sum & ((1u << Bits) - 1));
+    return static_cast<std::int32_t>(sum);
+  }
+  /// Bits of the difference that was coded last.
+  unsigned bits() const { return bits_; }
+
+ private:
+  static constexpr unsigned kHigh = 8;  ///< higher bits of a difference have models, lower ones do not
+
+  /// The difference modulo 2^Bits that is nearest to 0, with its sign.
+  static std::uint32_t wrap(std::uint32_t difference) {
+    if constexpr (Bits == 32) return difference;
+    constexpr std::uint32_t half = 1u << (Bits - 1);
+    return ((difference + half) & (2 * half - 1)) - half;
+  }
+
+  template <class Coder>
+  std::uint32_t code_place(Coder& coder, std::uint32_t difference) {
+    const unsigned k = bits_;
+    if (k == 0) return coder.bit(one_, difference);
+    if (k >= 32) return 0x80000000u;
+    const std::uint32_t half = 1u << (k - 1);
+    std::uint32_t place = 0;
+    if constexpr (Coder::kEncodes)
+      place = static_cast<std::int32_t>(difference) < 0 ? difference + (2 * half - 1) : difference - 1;
+    if (k <= kHigh) {
+      place = code_low(coder, place);
+    } else {
+      const unsigned rest = k - kHigh;
+      const std::uint32_t high = coder.symbol(high_[rest - 1], place >> rest);
+      place = high << rest | coder.bits(rest, place & ((1u << rest) - 1));
+    }
+    return place >= half ? place + 1 : place - (2 * half - 1);
+  }
+
+  template <class Coder>
+  unsigned code_low(Coder& coder, unsigned place) {
+    switch (bits_) {
+      case 1:
+        return coder.symbol(low1_, place);
+      case 2:
+        return coder.symbol(low2_, place);
+      case 3:
+        return coder.symbol(low3_, place);
+      case 4:
+        return coder.symbol(low4_, place);
+      case 5:
+        return coder.symbol(low5_, place);
+      case 6:
+        return coder.symbol(low6_, place);
+      case 7:
+        return coder.symbol(low7_, place);
+      default:
+        return coder.symbol(low8_, place);
+    }
+  }
+
+  unsigned bits_;
+  std::array<SymbolModel<Bits + 1>, Contexts> lengths_;
+  BitModel one_;
+  SymbolModel<2> low1_;
+  SymbolModel<4> low2_;
+  SymbolModel<8> low3_;
+  SymbolModel<16> low4_;
+  SymbolModel<32> low5_;
+  SymbolModel<64> low6_;
+  SymbolModel<128> low7_;
+  SymbolModel<256> low8_;
+  std::array<SymbolModel<256>, Bits - kHigh> high_;
+};
+
+}  // namespace sansmesh::inline v1::io::laz

@@ -1,0 +1,20 @@
+// Decodes the point records of LAS, LAZ and COPC files.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sansmesh/io/points/las_header.h"
+#include "sansmesh/point_set.h"
+
+namespace sansmesh::inline v1::io {
+
+/// The points of whole records of `header.record` bytes, with the attributes documented in io.h; `header.count` is
+/// ignored. Withheld points are left out with a warning. Throws FileError if no points remain.
+PointSet decode_las_points(const Input& in, const LasHeader& header, std::span<const char> records);
+
+/// Appends the records whose positions are in the box to `kept`.
+void keep_records_in(const LasHeader& header, const Box3& box, std::span<const char> records, std::vector<char>& kept);
+bool any_record_in(const LasHeader& header, const Box3& box, std::span<const char> records);
+
+}  // namespace sansmesh::inline v1::io

@@ -1,0 +1,108 @@
+// Reference systems survive files of every format.
+#include "io_test_tools.h"
+#include "sansmesh/data/reference_system.h"
+#include "sansmesh/io/formats.h"
+#include "support/places.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+using namespace test;
+
+constexpr const char* kFeet =
+    R"(PROJCS["Survey",GEOGCS["NAD83",UNIT["degree",0.0174532925199433]],UNIT["US survey foot",0.304800609601219]])";
+
+TEST(Reference, EveryFormatOfPointsKeepsIt) {
+  const Folder folder;
+  PointSet points = made_points(8, {500000, 4000000, 100});
+  points.reference = system_of_text(kFeet);
+  for (const std::string& ending : endings_written(kPoints)) {
+    SCOPED_TRACE(ending);
+    const std::string file = folder / ("a" + ending);
+    write_points(file, points);
+    const bool in_file = ending == ".las" || ending == ".laz";
+    EXPECT_EQ(std::filesystem::exists(folder / "a.prj"), !in_file);
+    ReadReport report;
+    const PointSet again = read_points(file, &report);
+    ASSERT_TRUE(again.reference);
+    EXPECT_EQ(system_words(*again.reference), "Survey, unit US survey foot");
+    EXPECT_EQ(again.reference->wkt, kFeet);
+    EXPECT_EQ(report.reference, again.reference);
+    std::filesystem::remove(folder / "a.prj");
+    if (ending == ".ply") EXPECT_TRUE(read_points(file).reference);
+  }
+}
+
+TEST(Reference, EveryFormatOfMeshesKeepsIt) {
+  const Folder folder;
+  TriangleMesh mesh = made_mesh();
+  mesh.reference = system_of_text("EPSG:32633");
+  for (const std::string& ending : endings_written(kMesh)) {
+    SCOPED_TRACE(ending);
+    const std::string file = folder / ("a" + ending);
+    write_mesh(file, mesh);
+    const TriangleMesh again = read_mesh(file);
+    ASSERT_TRUE(again.reference);
+    EXPECT_EQ(again.reference->code, 32633);
+    std::filesystem::remove(folder / "a.prj");
+    if (ending == ".ply" || ending == ".glb") EXPECT_TRUE(read_mesh(file).reference);
+  }
+}
+
+TEST(Reference, LasKeepsKeysAndCodes) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  const std::vector<std::uint16_t> keys = {1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 2056, 3076, 0, 1, 9001};
+  points.reference = system_of_keys(keys, std::vector<double>{1.5}, "a|");
+  write_points(folder / "a.las", points);
+  PointSet again = read_points(folder / "a.las");
+  ASSERT_TRUE(again.reference);
+  EXPECT_EQ(again.reference->geo_keys, keys);
+  EXPECT_EQ(again.reference->geo_doubles, std::vector<double>{1.5});
+  EXPECT_EQ(again.reference->geo_ascii, "a|");
+  points.reference = system_of_text("EPSG:2056+5728");
+  write_points(folder / "a.las", points);
+  again = read_points(folder / "a.las");
+  ASSERT_TRUE(again.reference);
+  EXPECT_EQ(again.reference->code, 2056);
+  EXPECT_EQ(again.reference->vertical_code, 5728);
+}
+
+TEST(Reference, DifferentSystemsAreNotReadAsOne) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  const auto put = [&](const std::string& name, const std::string& system) {
+    points.reference = system_of_text(system);
+    write_points(folder / name, points);
+    return folder / name;
+  };
+  const std::string a = put("a.las", "EPSG:25832"), b = put("b.las", "EPSG:25833"), c = put("c.las", "");
+  const std::string text = expect_file_error(b, "EPSG:25833", [&] { read_merged({a, b}); });
+  EXPECT_NE(text.find("ETRS89 / UTM zone 32N (EPSG:25832), unit metre"), std::string::npos) << text;
+  ReadReport report;
+  EXPECT_EQ(read_merged({c, a}, &report).reference->code, 25832);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("c.las: states no reference system"), std::string::npos) << report.warnings[0];
+}
+
+TEST(Reference, DistortingUnitsAreWarnings) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  points.reference = system_of_text("EPSG:25832");
+  write_points(folder / "a.xyz", points);
+  const auto warnings_with = [&](const std::string& prj) {
+    folder.put("a.prj", prj);
+    ReadReport report;
+    read_points(folder / "a.xyz", &report);
+    return report.warnings.empty() ? std::string() : report.warnings[0];
+  };
+  EXPECT_NE(warnings_with(R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])").find("degrees"), std::string::npos);
+  EXPECT_NE(warnings_with(R"(COMPD_CS["a",PROJCS["b",UNIT["metre",1]],VERT_CS["c",UNIT["foot",0.3048]]])")
+                .find("another unit (foot)"),
+            std::string::npos);
+  EXPECT_NE(warnings_with("nonsense").find("a.prj beside it is no WKT"), std::string::npos);
+  EXPECT_EQ(warnings_with(kFeet), "");
+}
+
+}  // namespace
+}  // namespace sansmesh::inline v1
