@@ -133,10 +133,16 @@ struct SANSMESH_API FlipStep {
   static const OptionSchema& schema();  ///< option rows, one per field
 };
 
+/// Finds the ground of an airborne survey and stores it as class 2 of the attribute "classification", all else as
+/// class 1. Points of other classes keep them; with ground among these, nothing changes: "classify_ground".
+struct SANSMESH_API ClassifyGroundStep {
+  static const OptionSchema& schema();  ///< option rows, one per field
+};
+
 /// One step of a conversion.
 using ConvertStep =
     std::variant<AboutStep, TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep, UnitStep,
-                 CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
+                 CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep, ClassifyGroundStep>;
 
 /// All steps, as the options of a list of steps.
 SANSMESH_API std::span<const OptionRow> convert_step_rows();

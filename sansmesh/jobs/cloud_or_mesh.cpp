@@ -12,6 +12,7 @@
 #include "sansmesh/mesh/repair/weld.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/subsample.h"
 
@@ -178,6 +179,11 @@ std::string keep_every(CloudOrMesh& data, std::size_t n) {
   const std::size_t before = data.size();
   take(data, every_nth(before, n));
   return left_of(before, data);
+}
+
+std::string find_ground_of(CloudOrMesh& data, Progress& progress) {
+  need_points(data, "`vertices_only` takes its vertices");
+  return classify_ground(data.points, progress).words();
 }
 
 std::string flip_sides(CloudOrMesh& data, bool faces, bool normals) {

@@ -9,6 +9,7 @@
 #include "sansmesh/convert.h"
 #include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -32,6 +33,9 @@ std::string keep_count(CloudOrMesh& data, std::size_t count);
 
 /// Keeps the first of every n points of a cloud.
 std::string keep_every(CloudOrMesh& data, std::size_t n);
+
+/// Classifies the ground of a cloud.
+std::string find_ground_of(CloudOrMesh& data, Progress& progress);
 
 std::string flip_sides(CloudOrMesh& data, bool faces, bool normals);
 

@@ -18,6 +18,7 @@ namespace {
 struct ApplyStep {
   CloudOrMesh& data;
   const std::string& unit;  ///< unit of the input
+  Progress& progress;
   AboutStep about_now = {};
 
   std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
@@ -57,6 +58,7 @@ struct ApplyStep {
   std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
   std::string operator()(const WeldStep& s) const { return weld_points(data, s.distance); }
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
+  std::string operator()(const ClassifyGroundStep&) const { return find_ground_of(data, progress); }
 };
 
 /// "`box` leaves nothing …".
@@ -175,7 +177,7 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   for (const ConvertStep& step : options.steps)
     if (const auto* const to = std::get_if<UnitStep>(&step); to && to->from.empty() && unit.empty())
       throw ArgumentError(kUnitsTogether);
-  ApplyStep how{data, unit};
+  ApplyStep how{data, unit, progress};
   for (const ConvertStep& step : options.steps) {
     if (const auto* const about = std::get_if<AboutStep>(&step)) {
       how(*about);

@@ -136,6 +136,7 @@ std::string_view step_name(const ConvertStep& step) {
     std::string_view operator()(const FlipStep& s) const {
       return s.faces ? (s.normals ? "flip" : "flip_faces") : "flip_normals";
     }
+    std::string_view operator()(const ClassifyGroundStep&) const { return "classify_ground"; }
   };
   return std::visit(Name(), step);
 }
@@ -163,6 +164,11 @@ const OptionSchema& TranslateStep::schema() {
 }
 
 const OptionSchema& CenterStep::schema() {
+  static constexpr OptionSchema schema{{}};
+  return schema;
+}
+
+const OptionSchema& ClassifyGroundStep::schema() {
   static constexpr OptionSchema schema{{}};
   return schema;
 }
@@ -383,7 +389,10 @@ constexpr OptionRow kStepRows[] = {
     step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = true, .normals = false}; }>(
         OptionKind::flag, {.text = "Reverse faces only", .name = "flip_faces"}),
     step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = false, .normals = true}; }>(
-        OptionKind::flag, {.text = "Reverse normals only", .name = "flip_normals"})};
+        OptionKind::flag, {.text = "Reverse normals only", .name = "flip_normals"}),
+    step_row<[](const OptionValue&) -> ConvertStep { return ClassifyGroundStep{}; }>(
+        OptionKind::flag, {.text = "Find the ground of an airborne survey: class 2; all else without a class: 1",
+                           .name = "classify_ground"})};
 
 }  // namespace
 

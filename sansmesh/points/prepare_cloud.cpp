@@ -13,13 +13,13 @@
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/flight_lines.h"
+#include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/height_field.h"
 #include "sansmesh/points/inward_parts.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
-#include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/remedies.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
@@ -353,8 +353,13 @@ void leave_out_outliers(PreparedCloud& cloud, std::optional<bool> asked, Clutter
 }
 
 PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress, ClutterUse clutter) {
-  if (use.classes) keep_classes(points, *use.classes);
+  std::vector<Note> notes;
+  if (use.classes)
+    notes = select_classes(points, *use.classes, progress);
+  else if (clutter == ClutterUse::leave_out)
+    notes = leave_out_vegetation(points);
   PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   leave_out_outliers(result, use.remove_outliers, clutter, progress);
   prepare_normals(result, use, progress);
   if (align_scans(result, use.align, progress)) {

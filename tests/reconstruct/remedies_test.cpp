@@ -156,6 +156,15 @@ PointSet plate_and_strays() {
   return cloud;
 }
 
+/// Ground, and a plate of vegetation above it.
+PointSet ground_and_vegetation() {
+  PointSet cloud = test::joined(plate(8000, {.bend = 0.1f}), plate(2000, {}), 1, {0, 0, 0.5f});
+  std::vector<std::uint8_t> classes(cloud.size(), 2);
+  std::fill(classes.begin() + 8000, classes.end(), std::uint8_t{5});
+  cloud.attributes.set("classification", std::move(classes));
+  return cloud;
+}
+
 // ------------------------------------------------------------------------------------------------------ defects
 
 double lost(const ReconstructResult& made) { return made.report.lost; }
@@ -177,6 +186,7 @@ struct Case {
 
 const Case kCases[] = {
     {"scans_disagree", "align", unaligned_scans, deviation, 0.002, 0.0012},
+    {"classes_left_out", "class", ground_and_vegetation, missing_parts, 1, 0},
     {"clutter", "remove_outliers", ball_and_sparser_ball, missing_parts, 1, 0},
     {"parts_left_out", "components", ball_and_sparse_ball, missing_parts, 1, 0},
     {"lost_samples", "components", ball_and_sparse_ball, lost, 0.01, 0},

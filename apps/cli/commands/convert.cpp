@@ -141,13 +141,15 @@ Command add_convert(CommandLine& app) {
   add_schema(
       c, a.options,
       {.group = "Selection", .only = {"box", "outside_box", "point_spacing", "point_count", "every", "keep", "drop"}});
-  add_schema(c, a.options, {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals"}});
+  add_schema(c, a.options,
+             {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals", "classify_ground"}});
   c.footer(std::string(kReadable) +
            " Moves, selections and changes are applied in the\n"
            "given order.\n\nExamples:\n"
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
            "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
-           "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
+           "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt\n"
+           "  sansmesh convert tile.las -o classified.las --classify-ground");
   c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
               value_of<std::vector<std::string>>("input.unread", "Unread parts of the file"),
               report_of<ConvertReport>(), report_of<SplitResult>(), reports_of<ConvertedFile>("outputs"),

@@ -28,10 +28,12 @@ void run_fit(const FitArguments& a, Console& console) {
   check_function_writable(a.output);
   ReadReport read;
   PointSet points = a.input.read(console, read);
+  FitFunctionOptions options = a.options;
+  options.cloud.classes = a.input.classes;  // none of them is left out by default
   const std::size_t given = points.size();
   const CloudScale scale(points);
   const auto [function, report, notes] = naming(a.input.name(), console, [&, &all = points] {
-    return fit_function(std::move(all), a.options, console.progress());
+    return fit_function(std::move(all), options, console.progress());
   });
   console.note(a.input.name(), notes);
   console.progress().begin("write");

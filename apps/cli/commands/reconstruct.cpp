@@ -30,11 +30,13 @@ void run_reconstruct(const ReconstructArguments& a, Console& console) {
   a.output.check();
   ReadReport read;
   PointSet points = a.input.read(console, read);
+  ReconstructOptions options = a.options;
+  options.cloud.classes = a.input.classes;  // none of them is left out by default
   const std::string name = a.input.name(), size = size_words(Vec3(bounds(points).size()));
   const std::size_t count = points.size();
   const CloudScale scale(points);
   const ReconstructResult made =
-      naming(name, console, [&] { return reconstruct(std::move(points), a.options, console.progress()); });
+      naming(name, console, [&] { return reconstruct(std::move(points), options, console.progress()); });
   console.note(name, made.notes);
   a.output.write(made.mesh, console);
   console.report(a.input.report(read, count), "input");

@@ -9,6 +9,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/points/cloud_files.h"
+#include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface_function.h"
 
@@ -62,7 +63,7 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
   if (classes) {
     const std::size_t given = points.size();
     try {
-      keep_classes(points, *classes);
+      console.note(name(), select_classes(points, *classes, console.progress()));
     } catch (const DataError& error) {
       throw FileError(name(), console.in_flags(error.what()));
     }

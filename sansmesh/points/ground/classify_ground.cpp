@@ -1,0 +1,101 @@
+#include "sansmesh/points/ground/classify_ground.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/points/ground/find_ground.h"
+#include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/remedies.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr std::uint8_t kUnclassified = 1, kGround = 2;
+constexpr std::size_t kLowNoise = 7, kHighNoise = 18;
+
+/// Class of each point; 0 without classes.
+std::vector<std::uint8_t> classes_of(const PointSet& points) {
+  std::vector<std::uint8_t> classes(points.size(), 0);
+  const Attribute* const given = find_point_classes(points);
+  for (std::size_t i = 0; given && i < classes.size(); ++i) {
+    const double number = given->number(i);
+    if (number >= 0 && number <= 255) classes[i] = static_cast<std::uint8_t>(number);
+  }
+  return classes;
+}
+
+/// Whether all points have class 0 or 1, or none.
+bool is_unclassified(const PointSet& points) {
+  const Attribute* const given = find_point_classes(points);
+  if (!given) return true;
+  const std::array<std::size_t, 256> counts = count_point_classes(*given);
+  return std::all_of(counts.begin() + kGround, counts.end(), [](std::size_t n) { return n == 0; });
+}
+
+}  // namespace
+
+std::string GroundClassification::words() const {
+  if (had_ground) return "there is ground already: no class was changed";
+  return grouped(ground) + " of " + counted(ground + others + kept, "point") + " are ground" +
+         (kept > 0 ? ", " + grouped(kept) + " keep their class" : "");
+}
+
+GroundClassification classify_ground(PointSet& points, Progress& progress) {
+  GroundClassification result;
+  const Attribute* const given = find_point_classes(points);
+  const std::string name = given ? given->name : "classification";
+  std::vector<std::uint8_t> classes = classes_of(points);
+  result.had_ground = std::find(classes.begin(), classes.end(), kGround) != classes.end();
+  if (result.had_ground) return result;
+  PointSet judged;
+  std::vector<std::uint32_t> rows;
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (classes[i] == kLowNoise || classes[i] == kHighNoise) continue;
+    rows.push_back(static_cast<std::uint32_t>(i));
+    judged.positions.push_back(points.positions[i]);
+  }
+  const GroundSamples found = find_ground(judged, progress);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    std::uint8_t& c = classes[rows[k]];
+    if (c > kUnclassified) continue;
+    c = found.ground[k] ? kGround : kUnclassified;
+    ++(found.ground[k] ? result.ground : result.others);
+  }
+  result.kept = points.size() - result.ground - result.others;
+  points.attributes.set(name, std::move(classes));
+  return result;
+}
+
+std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, Progress& progress) {
+  std::vector<Note> notes;
+  if (classes[kGround] && !classes[kUnclassified] && is_unclassified(points)) {
+    const GroundClassification made = classify_ground(points, progress);
+    notes.push_back({.code = "ground_found",
+                     .text = "no point is classified: the ground was found by its shape: " + made.words(),
+                     .severity = Note::Severity::information});
+  }
+  keep_classes(points, classes);
+  return notes;
+}
+
+std::vector<Note> leave_out_vegetation(PointSet& points) {
+  const Attribute* const given = find_point_classes(points);
+  if (!given) return {};
+  const std::array<std::size_t, 256> counts = count_point_classes(*given);
+  PointClasses unwanted = parse_point_classes("noise");
+  if (counts[kGround] > 0) unwanted |= parse_point_classes("vegetation");
+  std::size_t lost = 0;
+  for (std::size_t c = 0; c < counts.size(); ++c)
+    if (unwanted[c]) lost += counts[c];
+  if (lost == 0 || lost == points.size()) return {};
+  const std::string list = point_classes_text(unwanted);
+  keep_classes(points, ~unwanted);
+  return {with_remedy(remedy("classes_left_out", "class"),
+                      counted(lost, "point") + " left out: " +
+                          (counts[kGround] > 0 ? "vegetation and noise" : "noise") + " (classes " + list + ")")};
+}
+
+}  // namespace sansmesh::inline v1
