@@ -4,7 +4,7 @@
 set(SANSMESH_FIRST
     "^(core|schema|data|search|field|points|triangulation|partition|meshing|model|render)/"
     "^approximation/(orthogonal|polynomial)"
-    "^io/([a-z_]+|points/.*|meshes/.*)\\.cpp"
+    "^io/([a-z_]+|(points|meshes|laz|e57)/.*)\\.cpp"
     "^mesh/([a-z_]+|edit/(clip|collapse|edge_collapses|simplify|tubes).*|repair/(components|cut_handles|handle_loops|hole_(loops|patch)|self_intersections))\\.cpp"
     "^polygonize/(crease_edges|editable_surface|extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
