@@ -295,7 +295,7 @@ TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
                                                           {"project", "east.las", "-o", "g.las"},
                                                           {"curvature", "east.las", "-o", "h.csv"},
                                                           {"convert", "east.las", "-o", "i.pcd"},
-                                                          {"csg", "c.glb", "-o", "j.vtp"},
+                                                          {"csg", "d.smf", "-o", "j.vtp"},
                                                           {"align", "east.ply", "east.las", "-o", "k.ply"}};
   for (const std::vector<std::string>& command : commands) {
     const Outcome outcome = run(command);

@@ -14,6 +14,8 @@ using namespace test;
 
 const char* const kFile = "tests/data/1.2-with-color.copc.laz";
 
+const std::string kNoLevels = "has no levels of resolution: all points were read";
+
 /// x, y, z in hundredths, intensity
 using Row = std::array<long, 4>;
 
@@ -50,9 +52,13 @@ TEST(Copc, LevelsAreNested) {
   std::vector<Row> coarse;
   for (const double spacing : {1e6, 20.0, 10.0, 1e-3}) {
     const std::vector<Row> rows = rows_of(read_points(source_file(kFile), &report, {.resolution = spacing}));
+<<<<<<< HEAD
     // The heights of the file are in feet.
     ASSERT_EQ(report.warnings.size(), 1u);
     EXPECT_NE(report.warnings[0].find("its heights are in another unit"), std::string::npos);
+=======
+    EXPECT_EQ(std::count(report.warnings.begin(), report.warnings.end(), kNoLevels), 0);
+>>>>>>> e5fc4be645cbe2d1333402a5fdeae2d6502e4544
     EXPECT_GE(rows.size(), last);
     EXPECT_TRUE(std::includes(rows.begin(), rows.end(), coarse.begin(), coarse.end()));
     coarse = rows, last = rows.size();
@@ -60,7 +66,7 @@ TEST(Copc, LevelsAreNested) {
   EXPECT_EQ(last, 1065u);
   EXPECT_EQ(rows_of(read_points(source_file(kFile), nullptr, {.resolution = 1e6})).size(), 24u);
   read_points(source_file("tests/data/simple.las"), &report, {.resolution = 1.0});
-  EXPECT_EQ(report.warnings, std::vector<std::string>{"has no levels of resolution: all points were read"});
+  EXPECT_EQ(std::count(report.warnings.begin(), report.warnings.end(), kNoLevels), 1);
 }
 
 /// Damage outside of the needed nodes has no effect: only these are decoded.

@@ -26,8 +26,8 @@ TEST(Laz, ChunksKeepEveryByte) {
       SCOPED_TRACE(std::to_string(format) + ", " + std::to_string(n));
       const std::size_t extra = format % 3, length = kRecordOfFormat[format] + extra;
       LazLayout layout = laz_layout(format, length);
-      for (const bool fixed : {false, true}) {
-        layout.fixed_channels = fixed;
+      for (const bool fixed : {false, true}) {  // versions 2 and 1, or 3 and 4
+        layout.fixed_channels = fixed, layout.first_version = fixed;
         const std::string records = survey_records(format, extra, n);
         std::string packed, padded, back(records.size(), '\x11');
         std::size_t used = 0;
@@ -64,6 +64,9 @@ TEST(Laz, FilesEqualUncompressedOnes) {
           read_points(folder.put("a.laz", las_with_records(minor, format, records, length, true)), &report);
       EXPECT_EQ(report.format, "LAZ 1." + std::to_string(minor));
       expect_same_cloud(packed, plain);
+      const unsigned version = format < 6 ? 1 : 4;
+      const std::string other = compress_las(las_with_records(minor, format, records, length), 700, version);
+      expect_same_cloud(read_points(folder.put("b.laz", other)), plain);
     }
   }
 }

@@ -15,12 +15,17 @@ class IntegerModel {
   /// Codes `value`. Integers of less than 32 bits are unsigned.
   template <class Coder>
   std::int32_t code(Coder& coder, std::int32_t predicted, std::int32_t value, unsigned context = 0) {
+    return code_in(coder, lengths_[context], predicted, value);
+  }
+  /// The same with a context of the caller.
+  template <class Coder>
+  std::int32_t code_in(Coder& coder, SymbolModel<Bits + 1>& lengths, std::int32_t predicted, std::int32_t value) {
     std::uint32_t difference = 0;
     if constexpr (Coder::kEncodes) difference = wrap(static_cast<std::uint32_t>(value) - predicted);
     // Differences of k bits are -(2^k - 1)..-2^(k-1) and 2^(k-1) + 1..2^k; those of 0 bits are 0 and 1.
     const auto d = static_cast<std::int32_t>(difference);
     bits_ = static_cast<unsigned>(std::bit_width(d <= 0 ? 0u - difference : difference - 1));
-    bits_ = coder.symbol(lengths_[context], bits_);
+    bits_ = coder.symbol(lengths, bits_);
     difference = code_place(coder, difference);
     if constexpr (Coder::kEncodes) return value;
     const std::uint32_t sum = static_cast<std::uint32_t>(predicted) + difference;
@@ -51,7 +56,7 @@ class IntegerModel {
       place = static_cast<std::int32_t>(difference) < 0 ? difference + (2 * half - 1) : difference - 1;
     if (k <= kHigh) {
       place = code_low(coder, place);
-    } else {
+    } else if constexpr (Bits > kHigh) {
       const unsigned rest = k - kHigh;
       const std::uint32_t high = coder.symbol(high_[rest - 1], place >> rest);
       place = high << rest | coder.bits(rest, place & ((1u << rest) - 1));

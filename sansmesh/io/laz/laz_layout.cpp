@@ -53,9 +53,9 @@ std::vector<Item> laz_items(const LazLayout& l) {
   return items;
 }
 
-unsigned written_version(Part part) {
-  if (part >= Part::point14) return 3;
-  return part == Part::wave ? 1 : 2;
+unsigned version_of(Part part, const LazLayout& l) {
+  if (part >= Part::point14) return l.fixed_channels ? 4 : 3;
+  return part == Part::wave || l.first_version ? 1 : 2;
 }
 
 }  // namespace
@@ -98,12 +98,13 @@ LazLayout read_laz_layout(const Input& in, const LasHeader& header) {
   bool fits = count == items.size() && (compressor == static_cast<unsigned>(Compressor::layered_chunks)) == l.layered &&
               compressor != static_cast<unsigned>(Compressor::none);
   l.fixed_channels = l.layered;
+  l.first_version = fits && !l.layered && load<std::uint16_t>(p + kHeadBytes + 4) == 1;
   for (std::size_t k = 0; k < count && fits; ++k) {
     const char* const item = p + kHeadBytes + k * kItemBytes;
     fits = load<std::uint16_t>(item) == static_cast<unsigned>(items[k].part) &&
            load<std::uint16_t>(item + 2) == items[k].bytes;
     const unsigned version = load<std::uint16_t>(item + 4);
-    const bool known = l.layered ? version == 3 || version == 4 : version == written_version(items[k].part);
+    const bool known = l.layered ? version == 3 || version == 4 : version == version_of(items[k].part, l);
     if (fits && !known) in.fail(fmt::format("unsupported version {} of compressed LAZ records", version));
     if (version != 4) l.fixed_channels = false;
   }
@@ -130,7 +131,7 @@ std::string laz_vlr(const LazLayout& layout) {
   for (std::size_t k = 0; k < items.size(); ++k) {
     const std::size_t at = p + kHeadBytes + k * kItemBytes;
     put(at, items[k].part), put(at + 2, static_cast<std::uint16_t>(items[k].bytes));
-    put(at + 4, static_cast<std::uint16_t>(written_version(items[k].part)));
+    put(at + 4, static_cast<std::uint16_t>(version_of(items[k].part, layout)));
   }
   return s;
 }

@@ -19,6 +19,7 @@ inline constexpr std::uint32_t kVariableChunks = 0xffffffff;
 struct LazLayout {
   bool layered = false;        ///< point formats 6 to 10: each attribute of a chunk is compressed by itself
   bool chunked = true;         ///< false: all points are one chunk, and there is no table
+  bool first_version = false;  ///< not layered: version 1 of the parts, of writers before 2011
   bool fixed_channels = true;  ///< layered: version 4 of the parts, see layered_chunk.h
   std::uint32_t chunk_points = kChunkPoints;
   std::size_t record = 0;  ///< bytes of a record

@@ -4,21 +4,14 @@
 #include <vector>
 
 #include "sansmesh/io/binary.h"
+#include "sansmesh/io/laz/first_items.h"
+#include "sansmesh/io/laz/point10.h"
 #include "sansmesh/io/laz/point_items.h"
 #include "sansmesh/io/laz/return_contexts.h"
 #include "sansmesh/io/laz/running_median.h"
 
 namespace sansmesh::inline v1::io::laz {
 namespace {
-
-/// The part that all formats have, as in the file.
-struct Point10 {
-  std::int32_t x, y, z;
-  std::uint16_t intensity;
-  std::uint8_t returns, classification, angle, user_data;
-  std::uint16_t source;
-};
-static_assert(sizeof(Point10) == 20);
 
 class Point10Model {
  public:
@@ -76,16 +69,6 @@ class Point10Model {
     p.z = height = z_.code(coder, height, p.z, single + (both < 18 ? both & ~1u : 18));
   }
 
-  template <class Coder, class Model>
-  static std::int32_t code_step(Coder& coder, Model& model, RunningMedian& median, std::int32_t last, std::int32_t now,
-                                unsigned context) {
-    const auto from = static_cast<std::uint32_t>(last);
-    const std::int32_t step =
-        model.code(coder, median.value(), static_cast<std::int32_t>(static_cast<std::uint32_t>(now) - from), context);
-    median.add(step);
-    return static_cast<std::int32_t>(from + static_cast<std::uint32_t>(step));
-  }
-
   Point10 last_;
   std::array<std::uint16_t, 16> intensity_;
   std::array<std::int32_t, 8> height_;
@@ -100,18 +83,42 @@ class Point10Model {
   std::array<SymbolModel<256>, 256> returns_, classification_, user_data_;
 };
 
+/// Extra bytes, each with a model of its difference to the last one.
+class BytesModel {
+ public:
+  explicit BytesModel(std::size_t count) : differences_(count) {}
+
+  template <class Coder>
+  std::uint8_t code(Coder& coder, std::size_t k, std::uint8_t last, std::uint8_t wanted) {
+    return low_byte(last + static_cast<int>(coder.symbol(differences_[k], low_byte(wanted - last))));
+  }
+
+ private:
+  std::vector<SymbolModel<256>> differences_;
+};
+
 struct PointwiseModels {
   Point10Model point;
   TimeModel<false> time;
   RgbModel rgb;
   WaveModel wave;
+  using Bytes = BytesModel;
+};
+
+/// Models of version 1.
+struct FirstModels {
+  FirstPointModel point;
+  FirstTimeModel time;
+  FirstRgbModel rgb;
+  WaveModel wave;
+  using Bytes = FirstBytesModel;
 };
 
 /// Codes all points but the first, whose record is stored.
-template <class Coder, class Bytes>
+template <class Models, class Coder, class Bytes>
 void code_points(Coder& coder, const LazLayout& l, Bytes* records, std::size_t count) {
-  const auto models = std::make_unique<PointwiseModels>();
-  std::vector<SymbolModel<256>> extra(l.extra_bytes);
+  const auto models = std::make_unique<Models>();
+  typename Models::Bytes extra(l.extra_bytes);
   models->point.start(load<Point10>(records));
   if (l.time) models->time.start(load<std::int64_t>(records + l.time));
   const auto give = [](Bytes* p, const auto& value) {
@@ -144,9 +151,8 @@ void code_points(Coder& coder, const LazLayout& l, Bytes* records, std::size_t c
     if (l.wave) models->wave.code(coder, p + l.wave - l.record, p + l.wave);
     for (std::size_t k = 0; k < l.extra_bytes; ++k) {
       Bytes* const byte = p + l.extra + k;
-      const int last = static_cast<unsigned char>(*(byte - l.record));
-      const int now = given(byte, std::uint8_t{});
-      give(byte, low_byte(last + static_cast<int>(coder.symbol(extra[k], low_byte(now - last)))));
+      const auto last = load<std::uint8_t>(byte - l.record);
+      give(byte, extra.code(coder, k, last, given(byte, std::uint8_t{})));
     }
   }
 }
@@ -155,7 +161,10 @@ void code_points(Coder& coder, const LazLayout& l, Bytes* records, std::size_t c
 
 void encode_pointwise(const LazLayout& layout, const char* records, std::size_t count, std::string& out) {
   ArithmeticEncoder encoder;
-  code_points(encoder, layout, records, count);
+  if (layout.first_version)
+    code_points<FirstModels>(encoder, layout, records, count);
+  else
+    code_points<PointwiseModels>(encoder, layout, records, count);
   out.append(records, layout.record);
   out += encoder.finish();
 }
@@ -165,7 +174,10 @@ std::size_t decode_pointwise(const LazLayout& layout, std::string_view bytes, st
   std::memcpy(records, bytes.data(), layout.record);
   const std::string_view packed = bytes.substr(layout.record);
   ArithmeticDecoder decoder(packed);
-  code_points(decoder, layout, records, count);
+  if (layout.first_version)
+    code_points<FirstModels>(decoder, layout, records, count);
+  else
+    code_points<PointwiseModels>(decoder, layout, records, count);
   return decoder.damaged() ? 0 : layout.record + decoder.position(packed);
 }
 
