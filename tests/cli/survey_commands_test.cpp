@@ -287,7 +287,7 @@ TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
   EXPECT_EQ(made["input"]["reference_system"], "WGS 84 / UTM zone 33N (EPSG:32633), unit metre");
   EXPECT_EQ(made["input"]["unit"], "metre");
   const std::vector<std::vector<std::string>> commands = {{"simplify", "east.ply", "-o", "a.obj"},
-                                                          {"smooth", "east.ply", "-o", "b.stl"},
+
                                                           {"fill", "east.ply", "-o", "c.glb"},
                                                           {"fit", "east.las", "-o", "d.smf"},
                                                           {"mesh", "d.smf", "-o", "e.ply"},
