@@ -286,17 +286,12 @@ TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
   const Json made = json_of({"reconstruct", "east.las", "-o", "east.ply"});
   EXPECT_EQ(made["input"]["reference_system"], "WGS 84 / UTM zone 33N (EPSG:32633), unit metre");
   EXPECT_EQ(made["input"]["unit"], "metre");
-  const std::vector<std::vector<std::string>> commands = {{"simplify", "east.ply", "-o", "a.obj"},
-
-                                                          {"fill", "east.ply", "-o", "c.glb"},
-                                                          {"fit", "east.las", "-o", "d.smf"},
-                                                          {"mesh", "d.smf", "-o", "e.ply"},
-                                                          {"normals", "east.las", "-o", "f.ply"},
-                                                          {"project", "east.las", "-o", "g.las"},
-                                                          {"curvature", "east.las", "-o", "h.csv"},
-                                                          {"convert", "east.las", "-o", "i.pcd"},
-                                                          {"csg", "d.smf", "-o", "j.vtp"},
-                                                          {"align", "east.ply", "east.las", "-o", "k.ply"}};
+  const std::vector<std::vector<std::string>> commands = {
+      {"simplify", "east.ply", "-o", "a.obj"},  {"fill", "east.ply", "-o", "c.glb"},
+      {"fit", "east.las", "-o", "d.smf"},       {"mesh", "d.smf", "-o", "e.ply"},
+      {"normals", "east.las", "-o", "f.ply"},   {"project", "east.las", "-o", "g.las"},
+      {"curvature", "east.las", "-o", "h.csv"}, {"convert", "east.las", "-o", "i.pcd"},
+      {"csg", "d.smf", "-o", "j.vtp"},          {"align", "east.ply", "east.las", "-o", "k.ply"}};
   for (const std::vector<std::string>& command : commands) {
     const Outcome outcome = run(command);
     ASSERT_EQ(outcome.code, 0) << command[0] << ": " << outcome.err;
