@@ -50,6 +50,25 @@ class SurveyCommands : public ToolTest {
   }
 };
 
+TEST_F(SurveyCommands, BoxesAndLevelsSelectWhileReading) {
+  write_tiles();
+  // East of the centre: the western tile has no points there.
+  const std::string box = "1234571,5432000,0,1234700,5432200,1000";
+  Outcome outcome = run({"convert", "west.las", "east.las", "--read-box", box, "-o", "part.laz"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const PointSet part = read_points(path("part.laz"));
+  EXPECT_GT(part.size(), 1000u);
+  for (const Vec3f& p : part.positions) ASSERT_GE(part.origin.x + p.x, 1234570.999);
+  outcome = run({"info", "west.las", "--read-box", "0,0,0,1,1,1"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("holds no points in the box from (0, 0, 0) to (1, 1, 1)"), std::string::npos)
+      << outcome.err;
+  outcome = run({"info", "part.laz", "--read-spacing", "5"});
+  EXPECT_NE(outcome.err.find("has no levels of resolution"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run({"info", "part.laz", "--read-box", "1,1,1,0,0,0"}).code, 2);
+  EXPECT_EQ(run({"info", "part.laz", "--read-spacing", "0"}).code, 2);
+}
+
 TEST_F(SurveyCommands, TilesAndClassesMakeOneSurface) {
   write_tiles();
   const Outcome outcome =
