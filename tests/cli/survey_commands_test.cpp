@@ -50,6 +50,25 @@ class SurveyCommands : public ToolTest {
   }
 };
 
+TEST_F(SurveyCommands, BoxesAndLevelsSelectWhileReading) {
+  write_tiles();
+  // East of the centre: the western tile has no points there.
+  const std::string box = "1234571,5432000,0,1234700,5432200,1000";
+  Outcome outcome = run({"convert", "west.las", "east.las", "--read-box", box, "-o", "part.laz"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const PointSet part = read_points(path("part.laz"));
+  EXPECT_GT(part.size(), 1000u);
+  for (const Vec3f& p : part.positions) ASSERT_GE(part.origin.x + p.x, 1234570.999);
+  outcome = run({"info", "west.las", "--read-box", "0,0,0,1,1,1"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("holds no points in the box from (0, 0, 0) to (1, 1, 1)"), std::string::npos)
+      << outcome.err;
+  outcome = run({"info", "part.laz", "--read-spacing", "5"});
+  EXPECT_NE(outcome.err.find("has no levels of resolution"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run({"info", "part.laz", "--read-box", "1,1,1,0,0,0"}).code, 2);
+  EXPECT_EQ(run({"info", "part.laz", "--read-spacing", "0"}).code, 2);
+}
+
 TEST_F(SurveyCommands, TilesAndClassesMakeOneSurface) {
   write_tiles();
   const Outcome outcome =
@@ -286,17 +305,12 @@ TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
   const Json made = json_of({"reconstruct", "east.las", "-o", "east.ply"});
   EXPECT_EQ(made["input"]["reference_system"], "WGS 84 / UTM zone 33N (EPSG:32633), unit metre");
   EXPECT_EQ(made["input"]["unit"], "metre");
-  const std::vector<std::vector<std::string>> commands = {{"simplify", "east.ply", "-o", "a.obj"},
-                                                          {"smooth", "east.ply", "-o", "b.stl"},
-                                                          {"fill", "east.ply", "-o", "c.glb"},
-                                                          {"fit", "east.las", "-o", "d.smf"},
-                                                          {"mesh", "d.smf", "-o", "e.ply"},
-                                                          {"normals", "east.las", "-o", "f.ply"},
-                                                          {"project", "east.las", "-o", "g.las"},
-                                                          {"curvature", "east.las", "-o", "h.csv"},
-                                                          {"convert", "east.las", "-o", "i.pcd"},
-                                                          {"csg", "c.glb", "-o", "j.vtp"},
-                                                          {"align", "east.ply", "east.las", "-o", "k.ply"}};
+  const std::vector<std::vector<std::string>> commands = {
+      {"simplify", "east.ply", "-o", "a.obj"},  {"fill", "east.ply", "-o", "c.glb"},
+      {"fit", "east.las", "-o", "d.smf"},       {"mesh", "d.smf", "-o", "e.ply"},
+      {"normals", "east.las", "-o", "f.ply"},   {"project", "east.las", "-o", "g.las"},
+      {"curvature", "east.las", "-o", "h.csv"}, {"convert", "east.las", "-o", "i.pcd"},
+      {"csg", "d.smf", "-o", "j.vtp"},          {"align", "east.ply", "east.las", "-o", "k.ply"}};
   for (const std::vector<std::string>& command : commands) {
     const Outcome outcome = run(command);
     ASSERT_EQ(outcome.code, 0) << command[0] << ": " << outcome.err;

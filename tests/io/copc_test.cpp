@@ -34,7 +34,9 @@ std::vector<Row> rows_of(const PointSet& p) {
 const Box3 kBox{{636500, 849500, 410}, {637500, 851500, 440}};
 
 TEST(Copc, BoxesEqualTheSameSelectionOfAllPoints) {
-  const PointSet all = read_points(source_file(kFile));
+  ReadReport report;
+  const PointSet all = read_points(source_file(kFile), &report);
+  EXPECT_EQ(report.format, "COPC, LAZ 1.4");
   EXPECT_EQ(all.size(), 1065u);
   std::vector<Row> expected;
   for (const Row& row : rows_of(all))

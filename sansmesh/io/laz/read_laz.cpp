@@ -119,9 +119,13 @@ RecordBuffer read_chunks(const Input& in, const LasHeader& header, const LazLayo
 RecordBuffer read_laz_records(const Input& in, const LasHeader& header) {
   const LazLayout layout = read_laz_layout(in, header);
   check_size(in, header.count, header.record);
-  if (const auto copc = find_copc_info(header); copc && (in.options.box || in.options.resolution))
-    return read_chunks(in, header, layout, find_copc_chunks(in, header, *copc));
-  in.warn_without_levels();
+  if (const auto copc = find_copc_info(header)) {
+    in.report.format = "COPC, " + in.report.format;
+    if (in.options.box || in.options.resolution)
+      return read_chunks(in, header, layout, find_copc_chunks(in, header, *copc));
+  } else {
+    in.warn_without_levels();
+  }
   const ChunkTable table = read_chunk_table(in, header, layout);
   if (table.is_sequence) return read_sequence(in, header, layout, table.chunks[0]);
   return read_chunks(in, header, layout, table.chunks);

@@ -84,10 +84,9 @@ class SymbolModel {
   template <bool tables>
   void refresh() {
     constexpr std::uint32_t most = 1u << kShift;
-    if (cycle_ == 0) {
-      counts_.fill(1);
-      total_ = N;
-    } else if ((total_ += cycle_) > most) {
+    total_ = cycle_ == 0 ? N : total_ + cycle_;
+    if (cycle_ == 0) counts_.fill(1);
+    if (total_ > most) {
       total_ = 0;
       for (std::uint16_t& c : counts_) total_ += c = static_cast<std::uint16_t>((c + 1) >> 1);
     }
