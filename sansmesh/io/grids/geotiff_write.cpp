@@ -100,7 +100,8 @@ void add_geo_keys(TiffDirectory& directory, const ReferenceSystem* system) {
   std::vector<std::array<std::uint16_t, 4>> keys;
   if (system && system->geo_keys.size() >= 4) {
     for (std::size_t k = 4; k + 4 <= system->geo_keys.size(); k += 4)
-      if (system->geo_keys[k] != kRasterType)
+      // Files pad their keys with zeros.
+      if (system->geo_keys[k] != 0 && system->geo_keys[k] != kRasterType)
         keys.push_back(
             {system->geo_keys[k], system->geo_keys[k + 1], system->geo_keys[k + 2], system->geo_keys[k + 3]});
   } else if (system && system->code > 0 && system->code < 65536) {
@@ -117,7 +118,8 @@ void add_geo_keys(TiffDirectory& directory, const ReferenceSystem* system) {
   directory.add(34735, kShort, numbers);
   if (!system) return;
   if (!system->geo_doubles.empty()) directory.add(34736, kDouble, system->geo_doubles);
-  if (!system->geo_ascii.empty()) directory.add_text(34737, system->geo_ascii);
+  const std::string texts = system->geo_ascii.substr(0, system->geo_ascii.find_last_not_of('\0') + 1);
+  if (!texts.empty()) directory.add_text(34737, texts);
 }
 
 }  // namespace
