@@ -13,6 +13,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/image.h"
 #include "sansmesh/local_frame.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
@@ -251,6 +252,58 @@ SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options,
 
 /// Remarks on the effects of the steps, one line each.
 SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
+
+/// Height grid of a terrain, with contour lines.
+struct SANSMESH_API HeightGridOptions {
+  /// Edge of the cells (length, > 0). Default: the spacing of the ground, rounded up to 1, 2 or 5 times a power of ten.
+  std::optional<double> cell = {};
+  /// Gaps between the samples of the ground up to this width are filled (length, >= 0). Default: 40 spacings.
+  std::optional<double> gap = {};
+  /// Difference in height of contour lines (length, > 0). Default: a fifteenth of the range of heights, rounded.
+  std::optional<double> interval = {};
+
+  static const OptionSchema& schema();  ///< option rows, one per field
+  /// Throws ArgumentError.
+  void validate() const;
+};
+
+/// Report of make_height_grid().
+struct SANSMESH_API HeightGridReport {
+  std::size_t ground = 0;             ///< samples of the ground; 0 for meshes
+  std::size_t columns = 0, rows = 0;  ///< cells
+  double cell = 0;                    ///< edge of the cells (length)
+  double unknown = 0;                 ///< share of the cells without a height, 0..1
+  double lowest = 0, highest = 0;     ///< range of heights (lengths)
+  double interval = 0;                ///< interval of contour lines (length)
+
+  static const ReportSchema& schema();  ///< report rows
+};
+
+/// Height grid, with its report.
+struct HeightGridResult {
+  HeightGrid grid;          ///< heights
+  HeightGridReport report;  ///< measures
+  std::vector<Note> notes;  ///< "ground_found": nothing was classified
+};
+
+/// Heights of the ground of a cloud: of its samples of class 2 or, if none is classified, of those that the ground
+/// filter finds; of all samples if there are other classes only. Of a mesh: heights of its highest triangles. Throws
+/// ArgumentError for bad options, DataError for data without an extent or too many cells, Cancelled.
+SANSMESH_API HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptions& options,
+                                               Progress& progress);
+
+/// Writes contour lines: .svg, .dxf or a format of lines (.vtp .ply .csv). Returns the number of lines. Throws
+/// FileError; ArgumentError for more than 10,000 heights.
+SANSMESH_API std::size_t write_contours(const std::string& file, const HeightGrid& grid, double interval);
+
+/// Throws FileError if contour lines cannot be written with that suffix.
+SANSMESH_API void check_contours_writable(const std::string& file);
+
+/// Picture of the terrain, lit from the north-west at 45°; transparent where heights are unknown.
+SANSMESH_API Image hillshade_of(const HeightGrid& grid);
+
+/// Size and range of heights, as lines of text.
+SANSMESH_API std::vector<std::string> summary_of(const HeightGridReport& report);
 
 /// Connectivity, and which parts are kept.
 struct SANSMESH_API SplitOptions {

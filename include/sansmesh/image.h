@@ -5,11 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
+
+struct ReferenceSystem;
 
 /// Pixel map: rows from top to bottom, pixels from left to right.
 template <class T>
@@ -41,6 +44,16 @@ using Rgba = std::array<float, 4>;
 using Image = PixelMap<Rgba>;
 /// Distances along the rays through the pixel centres; infinity where a ray hits nothing.
 using DepthMap = PixelMap<float>;
+
+/// Heights over x and y in square cells: a digital elevation model. The first row is the northernmost one (largest y).
+struct HeightGrid {
+  PixelMap<float> heights;  ///< at the centres of the cells; NaN where unknown
+  double cell = 0;          ///< edge of the cells (length)
+  double left = 0;          ///< x of the left border of the first column
+  double top = 0;           ///< y of the upper border of the first row
+  /// Reference system of the coordinates; null if unknown.
+  std::shared_ptr<const ReferenceSystem> reference = {};
+};
 
 /// Quantises 0..1 to a byte: to the nearest level, or rounding up from a fraction `threshold` (above 0, up to 1) of a
 /// step. Clamps other values; NaN gives 0.

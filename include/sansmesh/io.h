@@ -118,6 +118,10 @@ SANSMESH_API void write_lines(const std::string& file, const PolylineSet& lines,
 /// is 0 or not width · height; FileError for a suffix other than .png.
 SANSMESH_API void write_image(const std::string& file, const Image& image);
 
+/// Writes a GeoTIFF (.tif) of float32 with the reference system; −9999 where heights are unknown. Throws ArgumentError
+/// if there are no cells; FileError for other suffixes, and beyond 4 GB.
+SANSMESH_API void write_height_grid(const std::string& file, const HeightGrid& grid);
+
 /// Writes text (JSON, CSV) unchanged.
 SANSMESH_API void write_text(const std::string& file, const std::string& text);
 

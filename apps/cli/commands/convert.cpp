@@ -31,6 +31,10 @@ struct ConvertArguments {
   bool ascii = false, split = false;
   ConvertOptions options;
   SplitOptions parts;
+  HeightGridOptions heights;
+  std::string contours, hillshade;  ///< files beside a height grid
+
+  bool writes_heights() const { return output.ends_with(".tif") || output.ends_with(".tiff"); }
 };
 
 /// Written cloud or mesh.
@@ -64,11 +68,51 @@ std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t p
   return names;
 }
 
+/// Height grid of a terrain, with contour lines and picture.
+void write_heights(const ConvertArguments& a, const CloudOrMesh& data, std::vector<std::string>& summary,
+                   Console& console) {
+  const std::string name = a.input.name();
+  const HeightGridResult made =
+      naming(name, console, [&] { return make_height_grid(data, a.heights, console.progress()); });
+  console.note(name, made.notes);
+  console.progress().begin("write");
+  write_height_grid(a.output, made.grid);
+  summary.push_back(a.output + ": " + summary_of(made.report)[0]);
+  console.report(made.report, "heights");
+  console.report_value("heights.file", a.output);
+  if (!a.contours.empty()) {
+    const std::size_t lines = write_contours(a.contours, made.grid, made.report.interval);
+    summary.push_back(
+        fmt::format("{}: {}, every {:.6g}", a.contours, counted(lines, "contour line"), made.report.interval));
+    console.report_value("contours.file", a.contours);
+    console.report_value("contours.lines", lines);
+  }
+  if (a.hillshade.empty()) return;
+  const Image picture = hillshade_of(made.grid);
+  write_image(a.hillshade, picture);
+  const WrittenPictures written{{a.hillshade}, picture.width, picture.height};
+  summary.push_back(written.size_line());
+  console.report_value("hillshade.file", a.hillshade);
+}
+
+void check_heights(const ConvertArguments& a) {
+  if (!a.writes_heights()) {
+    require(a.contours.empty() && a.hillshade.empty() && options_set(a.heights).empty(),
+            "--cell, --gap, --interval, --contours and --hillshade need a height grid: -o FILE.tif");
+    return;
+  }
+  require(!a.split && !a.ascii, "--split and --ascii are for points and meshes, not for a height grid");
+  if (!a.contours.empty()) check_contours_writable(a.contours);
+  if (!a.hillshade.empty()) check_writable(a.hillshade, "image");
+}
+
 void run_convert(const ConvertArguments& a, Console& console) {
   a.options.validate();
   a.parts.validate();
+  a.heights.validate();
+  check_heights(a);
   require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size need --split");
-  check_converted(a.output, a.options.vertices_only);
+  if (!a.writes_heights()) check_converted(a.output, a.options.vertices_only);
   const std::string name = a.input.name();
   Progress& progress = console.progress();
   ReadReport read;
@@ -76,6 +120,17 @@ void run_convert(const ConvertArguments& a, Console& console) {
   ConvertResult made = naming(name, console, [&] { return convert(std::move(given), a.options, progress); });
   CloudOrMesh& data = made.data;
   console.note(name, made.notes);
+  if (a.writes_heights()) {
+    std::vector<std::string> lines = summary_of(made.report);
+    write_heights(a, data, lines, console);
+    console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
+    console.print(lines);
+    console.report(a.input.report(), "input");
+    console.report_value("input.format", read.format);
+    console.report_value("input.unread", read.unread);
+    console.report(made.report);
+    return;
+  }
   console.note(a.output, fit_to_format(data, a.output));
   if (data.is_mesh)
     warn_of_losses(name, read, a.output, data.mesh, console);
@@ -125,10 +180,12 @@ Command add_convert(CommandLine& app) {
   auto shared = std::make_shared<ConvertArguments>();
   ConvertArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
+  std::vector<std::string> written = endings_written(kMesh | kPoints);
+  written.emplace_back(".tif");
   c.add_option("-o,--output", a.output,
-               "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
-                   listed_endings(endings_written(kPoints)) + ") to write")
-      .writes(endings_written(kMesh | kPoints))
+               "Mesh (" + listed_endings(endings_written(kMesh)) + "), points (" +
+                   listed_endings(endings_written(kPoints)) + ") or height grid of the ground (.tif) to write")
+      .writes(written)
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});
@@ -143,17 +200,29 @@ Command add_convert(CommandLine& app) {
       {.group = "Selection", .only = {"box", "outside_box", "point_spacing", "point_count", "every", "keep", "drop"}});
   add_schema(c, a.options,
              {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals", "classify_ground"}});
+  add_schema(c, a.heights, {.group = "Height grid"});
+  c.add_option("--contours", a.contours, "Contour lines of the height grid to write (.svg .dxf .vtp .ply .csv)")
+      .writes({".svg", ".dxf", ".vtp", ".ply", ".csv"})
+      .group("Height grid");
+  c.add_option("--hillshade", a.hillshade, "Picture of the height grid, lit from the north-west, to write (.png)")
+      .writes({".png"})
+      .group("Height grid");
   c.footer(std::string(kReadable) +
            " Moves, selections and changes are applied in the\n"
            "given order.\n\nExamples:\n"
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
            "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt\n"
-           "  sansmesh convert tile.las -o classified.las --classify-ground");
-  c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
-              value_of<std::vector<std::string>>("input.unread", "Unread parts of the file"),
-              report_of<ConvertReport>(), report_of<SplitResult>(), reports_of<ConvertedFile>("outputs"),
-              value_of<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
+           "  sansmesh convert tile.las -o classified.las --classify-ground\n"
+           "  sansmesh convert tile.las -o terrain.tif --cell 0.5 --contours lines.dxf --hillshade shade.png");
+  c.announce(
+      {report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
+       value_of<std::vector<std::string>>("input.unread", "Unread parts of the file"), report_of<ConvertReport>(),
+       report_of<SplitResult>(), report_of<HeightGridReport>("heights"),
+       value_of<std::string>("heights.file", "Height grid"), value_of<std::string>("contours.file", "Contour lines"),
+       value_of<std::size_t>("contours.lines", "Number of contour lines"),
+       value_of<std::string>("hillshade.file", "Picture of the height grid"), reports_of<ConvertedFile>("outputs"),
+       value_of<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
   return {&c, [shared](Console& console) { run_convert(*shared, console); }};
 }
 

@@ -19,10 +19,6 @@ constexpr std::size_t kMostSquares = (2 * kReach + 1) * (2 * kReach + 1);
 /// Least number of squares with ground, in two quadrants at least; otherwise squares of twice the size are used.
 constexpr std::size_t kFewestSquares = 8;
 constexpr int kFewestQuadrants = 2;
-/// Rounds of reweighting, and the deviations from which values have no weight.
-constexpr int kTrendRounds = 3;
-constexpr double kTrendDeviations = 3;
-
 /// Mean positions of the ground in squares.
 struct SquareMeans {
   std::size_t columns = 0, rows = 0;
@@ -45,39 +41,6 @@ struct SquareMeans {
   }
 };
 
-/// Position relative to the centre of the plane, with its weight.
-struct TrendValue {
-  double x, y, z, weight;
-};
-
-/// Weighted least squares with reweighting. Returns the height at 0 and the slopes.
-std::array<double, 3> fit_trend_plane(std::span<const TrendValue> values, double cell) {
-  std::array<double, 3> plane{};
-  double scale = 0;
-  std::vector<double> away;
-  for (int round = 0; round < kTrendRounds; ++round) {
-    double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-    for (const TrendValue& v : values) {
-      const double e = v.z - plane[0] - plane[1] * v.x - plane[2] * v.y;
-      const double weight = v.weight * (round > 0 ? tukey_weight(e / (kTrendDeviations * scale)) : 1);
-      w += weight, x += weight * v.x, y += weight * v.y, z += weight * v.z;
-      xx += weight * v.x * v.x, xy += weight * v.x * v.y, yy += weight * v.y * v.y;
-      xz += weight * v.x * v.z, yz += weight * v.y * v.z;
-    }
-    if (!(w > 0)) break;
-    // A slight ridge keeps slopes across a row of squares at 0.
-    const double ridge = 1e-5 * (xx + yy - (x * x + y * y) / w) + 1e-12 * cell * cell;
-    const double cxx = xx - x * x / w + ridge, cyy = yy - y * y / w + ridge, cxy = xy - x * y / w;
-    const double cxz = xz - x * z / w, cyz = yz - y * z / w, determinant = cxx * cyy - cxy * cxy;
-    const double a = (cxz * cyy - cyz * cxy) / determinant, b = (cyz * cxx - cxz * cxy) / determinant;
-    plane = {(z - a * x - b * y) / w, a, b};
-    away.clear();
-    for (const TrendValue& v : values) away.push_back(std::abs(v.z - plane[0] - a * v.x - b * v.y));
-    scale = kDeviationOverMedian * median(away) + 1e-3 * cell;
-  }
-  return plane;
-}
-
 }  // namespace
 
 GroundTrend::GroundTrend(const PointSet& points, const GroundGrid& grid, const std::vector<std::uint8_t>& ground)
@@ -96,9 +59,10 @@ GroundTrend::GroundTrend(const PointSet& points, const GroundGrid& grid, const s
   columns_ = levels[0].columns, rows_ = levels[0].rows;
   planes_.resize(columns_ * rows_);
   parallel_for(0, rows_, 4, [&](std::size_t r) {
+    std::vector<double> scratch;
     for (std::size_t c = 0; c < columns_; ++c) {
       const double x = (static_cast<double>(c) + 0.5) * square_, y = (static_cast<double>(r) + 0.5) * square_;
-      std::array<TrendValue, kMostSquares> values;
+      std::array<PlaneValue, kMostSquares> values;
       std::size_t count = 0;
       for (std::size_t l = 0; l < levels.size(); ++l) {
         const SquareMeans& level = levels[l];
@@ -119,8 +83,7 @@ GroundTrend::GroundTrend(const PointSet& points, const GroundGrid& grid, const s
           }
         if (count >= kFewestSquares && std::popcount(quadrants) >= kFewestQuadrants) break;
       }
-      const auto plane = fit_trend_plane(std::span(values).first(count), grid.cell);
-      planes_[r * columns_ + c] = {plane[0], plane[1], plane[2]};
+      planes_[r * columns_ + c] = fit_local_plane(std::span(values).first(count), grid.cell, scratch);
     }
   });
 }
@@ -129,7 +92,7 @@ GroundTrend::At GroundTrend::at(double x, double y) const {
   const double dx = x - left_, dy = y - bottom_;
   const auto c = index_in<std::size_t>(dx / square_, 0, columns_ - 1);
   const auto r = index_in<std::size_t>(dy / square_, 0, rows_ - 1);
-  const Plane& p = planes_[r * columns_ + c];
+  const LocalPlane& p = planes_[r * columns_ + c];
   return {p.height + p.rise_x * (dx - (static_cast<double>(c) + 0.5) * square_) +
               p.rise_y * (dy - (static_cast<double>(r) + 0.5) * square_),
           std::hypot(p.rise_x, p.rise_y)};

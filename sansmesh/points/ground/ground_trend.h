@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/points/ground/ground_grid.h"
+#include "sansmesh/points/ground/local_plane.h"
 
 namespace sansmesh::inline v1 {
 
@@ -25,13 +26,9 @@ class GroundTrend {
   At at(double x, double y) const;
 
  private:
-  struct Plane {
-    double height = 0, rise_x = 0, rise_y = 0;  ///< at the centre of the square
-  };
-
   double square_ = 0, left_ = 0, bottom_ = 0;
   std::size_t columns_ = 0, rows_ = 0;
-  std::vector<Plane> planes_;
+  std::vector<LocalPlane> planes_;  ///< at the centres of the squares
 };
 
 }  // namespace sansmesh::inline v1

@@ -14,7 +14,7 @@ constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr std::size_t kLanes = 16;
 
 /// Running minimum over 2·half + 1 elements of kLanes lines: blocks of the length of the window have minima from the
-/// left and from the right, and each window consists of parts of two blocks (van Herk 1992).
+/// left and from the right, and each window consists of parts of two blocks [vanherk1992].
 class LineMinimum {
  public:
   explicit LineMinimum(std::size_t half) : half_(half), window_(2 * half + 1) {}

@@ -1,0 +1,188 @@
+#include "sansmesh/points/ground/ground_heights.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sansmesh/box.h"
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/points/ground/local_plane.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Largest number of cells: 4 GB in a file.
+constexpr double kMostHeights = 1e9;
+/// Bins on each side of the one of a centre.
+constexpr std::ptrdiff_t kBinReach = 2;
+/// Least number of samples or means around a centre, and of quadrants that contain some.
+constexpr std::size_t kFewestForHeight = 6;
+constexpr int kSurrounding = 3;
+/// Within this many spacings of a sample, a centre on the border of the samples needs two quadrants only.
+constexpr double kBorder = 1;
+
+/// Samples in square bins, and means of 2^l × 2^l bins.
+struct Bins {
+  double edge = 0, left = 0, bottom = 0;
+  struct Level {
+    std::ptrdiff_t columns = 0, rows = 0;
+    std::vector<std::array<float, 4>> means;  ///< x, y, z, number of samples
+  };
+  std::vector<Level> levels;  ///< level 0 has the bins themselves
+  std::vector<std::uint32_t> first, samples;
+};
+
+Bins make_bins(const PointSet& points, double edge, std::size_t levels) {
+  Bins bins;
+  Box3f box;
+  for (const Vec3f& p : points.positions)
+    if (is_finite(p)) box.extend(p);
+  bins.edge = edge;
+  bins.left = static_cast<double>(box.lower.x), bins.bottom = static_cast<double>(box.lower.y);
+  const auto count = [&](float extent) { return whole_part<std::ptrdiff_t>(static_cast<double>(extent) / edge) + 1; };
+  Bins::Level level{count(box.size().x), count(box.size().y), {}};
+  level.means.assign(static_cast<std::size_t>(level.columns * level.rows), {});
+  std::vector<std::uint32_t> bin_of(points.size());
+  bins.first.assign(level.means.size() + 1, 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 p(points.positions[i]);
+    bin_of[i] = std::numeric_limits<std::uint32_t>::max();
+    if (!is_finite(p)) continue;
+    const auto c = index_in<std::ptrdiff_t>((p.x - bins.left) / edge, 0, level.columns - 1);
+    const auto r = index_in<std::ptrdiff_t>((p.y - bins.bottom) / edge, 0, level.rows - 1);
+    bin_of[i] = static_cast<std::uint32_t>(r * level.columns + c);
+    ++bins.first[bin_of[i] + 1];
+    auto& m = level.means[bin_of[i]];
+    m[3] += 1;
+    const float share = 1 / m[3];
+    m[0] += share * (static_cast<float>(p.x - bins.left) - m[0]);
+    m[1] += share * (static_cast<float>(p.y - bins.bottom) - m[1]);
+    m[2] += share * (static_cast<float>(p.z) - m[2]);
+  }
+  for (std::size_t i = 1; i < bins.first.size(); ++i) bins.first[i] += bins.first[i - 1];
+  bins.samples.resize(bins.first.back());
+  std::vector<std::uint32_t> next = bins.first;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (bin_of[i] != std::numeric_limits<std::uint32_t>::max())
+      bins.samples[next[bin_of[i]]++] = static_cast<std::uint32_t>(i);
+  bins.levels.push_back(std::move(level));
+  while (bins.levels.size() < levels && (bins.levels.back().columns > 1 || bins.levels.back().rows > 1)) {
+    const Bins::Level& a = bins.levels.back();
+    Bins::Level b{(a.columns + 1) / 2, (a.rows + 1) / 2, {}};
+    b.means.assign(static_cast<std::size_t>(b.columns * b.rows), {});
+    for (std::ptrdiff_t r = 0; r < a.rows; ++r)
+      for (std::ptrdiff_t c = 0; c < a.columns; ++c) {
+        const auto& from = a.means[static_cast<std::size_t>(r * a.columns + c)];
+        auto& to = b.means[static_cast<std::size_t>(r / 2 * b.columns + c / 2)];
+        if (!(from[3] > 0)) continue;
+        to[3] += from[3];
+        for (std::size_t k = 0; k < 3; ++k) to[k] += from[3] / to[3] * (from[k] - to[k]);
+      }
+    bins.levels.push_back(std::move(b));
+  }
+  return bins;
+}
+
+/// Height at a position relative to the corner of the bins; NaN where it is unknown.
+class HeightFinder {
+ public:
+  HeightFinder(const PointSet& points, const Bins& bins) : points_(points), bins_(bins) {}
+
+  double at(double x, double y) {
+    for (std::size_t l = 0; l < bins_.levels.size(); ++l) {
+      gather(x, y, l);
+      const bool near = l == 0 && nearest_ <= kBorder * bins_.edge * kBorder * bins_.edge;
+      if (values_.size() >= kFewestForHeight && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding))
+        return fit_local_plane(values_, bins_.edge, scratch_).height;
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  void add(double dx, double dy, double z, double reach) {
+    const double squared = dx * dx + dy * dy, weight = tukey_weight(std::sqrt(squared) / reach);
+    if (!(weight > 0)) return;
+    values_.push_back({dx, dy, z, weight});
+    quadrants_ |= 1u << ((dx > 0 ? 1 : 0) + (dy > 0 ? 2 : 0));
+    nearest_ = std::min(nearest_, squared);
+  }
+
+  void gather(double x, double y, std::size_t l) {
+    values_.clear(), quadrants_ = 0, nearest_ = std::numeric_limits<double>::infinity();
+    const Bins::Level& level = bins_.levels[l];
+    const double edge = std::ldexp(bins_.edge, static_cast<int>(l)), reach = (kBinReach + 0.5) * edge;
+    const auto column = static_cast<std::ptrdiff_t>(std::floor(x / edge));
+    const auto row = static_cast<std::ptrdiff_t>(std::floor(y / edge));
+    for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, row - kBinReach);
+         r <= std::min(level.rows - 1, row + kBinReach); ++r)
+      for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(0, column - kBinReach);
+           c <= std::min(level.columns - 1, column + kBinReach); ++c) {
+        const auto bin = static_cast<std::size_t>(r * level.columns + c);
+        const auto& m = level.means[bin];
+        if (!(m[3] > 0)) continue;
+        if (l > 0) {
+          add(static_cast<double>(m[0]) - x, static_cast<double>(m[1]) - y, static_cast<double>(m[2]), reach);
+          continue;
+        }
+        for (std::uint32_t k = bins_.first[bin]; k < bins_.first[bin + 1]; ++k) {
+          const Vec3 p(points_.positions[bins_.samples[k]]);
+          add(p.x - bins_.left - x, p.y - bins_.bottom - y, p.z, reach);
+        }
+      }
+  }
+
+  const PointSet& points_;
+  const Bins& bins_;
+  std::vector<PlaneValue> values_;
+  std::vector<double> scratch_;
+  unsigned quadrants_ = 0;
+  double nearest_ = 0;
+};
+
+}  // namespace
+
+HeightGrid make_ground_heights(const PointSet& points, const GroundHeightOptions& options, Progress& progress) {
+  progress.begin("heights");
+  Box3f box;
+  for (const Vec3f& p : points.positions)
+    if (is_finite(p)) box.extend(p);
+  if (box.empty()) throw DataError("no finite points");
+  const double cell = options.cell;
+  const auto below = [&](double x) { return std::floor(x / cell); };
+  const double left = below(points.origin.x + static_cast<double>(box.lower.x));
+  const double right = below(points.origin.x + static_cast<double>(box.upper.x)) + 1;
+  const double bottom = below(points.origin.y + static_cast<double>(box.lower.y));
+  const double top = below(points.origin.y + static_cast<double>(box.upper.y)) + 1;
+  if (!((right - left) * (top - bottom) <= kMostHeights))
+    throw DataError("there would be " + grouped(whole_part<std::size_t>((right - left) * (top - bottom))) +
+                    " cells: at most 1,000,000,000 are possible");
+  // A gap is surrounded at the level whose reach is half its width.
+  std::size_t levels = 1;
+  for (double reach = kBinReach * options.spacing; 2 * reach < options.gap; reach *= 2) ++levels;
+  const Bins bins = make_bins(points, options.spacing, levels);
+  HeightGrid grid{{static_cast<int>(right - left), static_cast<int>(top - bottom)},
+                  cell,
+                  left * cell,
+                  top * cell,
+                  points.reference};
+  parallel_ranges(0, static_cast<std::size_t>(grid.heights.height), 4, [&](std::size_t begin, std::size_t end) {
+    HeightFinder finder(points, bins);
+    for (std::size_t r = begin; r < end; ++r)
+      for (int c = 0; c < grid.heights.width; ++c) {
+        const double x = grid.left + (c + 0.5) * cell - points.origin.x - bins.left;
+        const double y = grid.top - (static_cast<double>(r) + 0.5) * cell - points.origin.y - bins.bottom;
+        grid.heights.at(c, static_cast<int>(r)) = static_cast<float>(points.origin.z + finder.at(x, y));
+      }
+  });
+  return grid;
+}
+
+}  // namespace sansmesh::inline v1
