@@ -195,5 +195,19 @@ TEST(ClassifyGround, ExistingClassesStay) {
   EXPECT_THROW(select_classes(bare, buildings, progress), DataError);
 }
 
+TEST(ClassifyGround, RefusesForeignNumbersAsClasses) {
+  PointSet points;
+  for (int i = 0; i < 200; ++i) points.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 0});
+  points.attributes.set("class", std::vector<std::int32_t>(points.size(), 300));
+  Progress progress;
+  EXPECT_THROW(classify_ground(points, progress), DataError);
+}
+
+TEST(MeasureSurvey, SamplesOnALineCoverNoArea) {
+  PointSet points;
+  for (int i = 0; i < 200; ++i) points.positions.push_back({static_cast<float>(i), i % 2 ? 1e-31f : 0, 0});
+  EXPECT_FALSE(measure_survey(points).has_value());
+}
+
 }  // namespace
 }  // namespace sansmesh::inline v1

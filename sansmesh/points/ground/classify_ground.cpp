@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/ground/find_ground.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/remedies.h"
@@ -16,13 +17,15 @@ namespace {
 constexpr std::uint8_t kUnclassified = 1, kGround = 2;
 constexpr std::size_t kLowNoise = 7, kHighNoise = 18;
 
-/// Class of each point; 0 without classes.
+/// Class of each point; 0 without classes. Throws DataError if there are other values than 0..255.
 std::vector<std::uint8_t> classes_of(const PointSet& points) {
   std::vector<std::uint8_t> classes(points.size(), 0);
   const Attribute* const given = find_point_classes(points);
   for (std::size_t i = 0; given && i < classes.size(); ++i) {
     const double number = given->number(i);
-    if (number >= 0 && number <= 255) classes[i] = static_cast<std::uint8_t>(number);
+    if (!(number >= 0 && number <= 255))
+      throw DataError("'" + given->name + "' has values beyond 0 to 255: these are no classes of a survey");
+    classes[i] = static_cast<std::uint8_t>(number);
   }
   return classes;
 }
@@ -32,7 +35,7 @@ bool is_unclassified(const PointSet& points) {
   const Attribute* const given = find_point_classes(points);
   if (!given) return true;
   const std::array<std::size_t, 256> counts = count_point_classes(*given);
-  return std::all_of(counts.begin() + kGround, counts.end(), [](std::size_t n) { return n == 0; });
+  return counts[0] + counts[kUnclassified] == points.size();
 }
 
 }  // namespace

@@ -18,8 +18,10 @@ constexpr std::size_t kExtentSamples = 20000;
 constexpr double kFarShare = 0.002, kFarMargin = 0.25;
 /// Samples per cell of the measured area.
 constexpr double kAreaSamples = 4;
-/// Largest number of cells per sample: long tiles across the axes leave most cells empty.
-constexpr double kMostCells = 32;
+/// Largest number of cells per sample and of all: long tiles across the axes leave most cells empty.
+constexpr double kMostCells = 8, kMostOfAll = 1u << 31;
+/// Least ratio of the sides of an extent: samples on a line cover no area.
+constexpr double kLeastSide = 1e-6;
 
 /// A sample is a stray one below the ground if it is lower than nearly all cells within kStrayReach cells, by
 /// kStrayDepth cells and more, after subtraction of a common plane. One cell in kStrayMajority may be as low: another
@@ -27,6 +29,10 @@ constexpr double kMostCells = 32;
 constexpr int kStrayReach = 8;
 constexpr double kStrayDepth = 1, kLeastMeanDepth = 0.5;
 constexpr std::size_t kStrayMajority = 50;
+
+double least_cell(double width, double depth, double samples) {
+  return std::sqrt(width * depth / std::min(kMostCells * samples, kMostOfAll));
+}
 
 std::size_t index_of(double at, double lower, double cell, std::size_t count) {
   return index_in<std::size_t>((at - lower) / cell, 0, count - 1);
@@ -40,7 +46,7 @@ bool in_extent(const Vec3f& p, const SurveyExtent& e) {
 /// Area of the cells with samples, for cells that would hold kAreaSamples if all of `area` were covered.
 double covered_area(const PointSet& points, const SurveyExtent& e, double area, double n) {
   const double width = e.upper.x - e.lower.x, depth = e.upper.y - e.lower.y;
-  const double cell = std::max(std::sqrt(area * kAreaSamples / n), std::sqrt(width * depth / (kMostCells * n)));
+  const double cell = std::max(std::sqrt(area * kAreaSamples / n), least_cell(width, depth, n));
   const auto columns = whole_part<std::size_t>(width / cell) + 1, rows = whole_part<std::size_t>(depth / cell) + 1;
   std::vector<std::uint8_t> covered(columns * rows, 0);
   for (const Vec3f& p : points.positions)
@@ -50,7 +56,7 @@ double covered_area(const PointSet& points, const SurveyExtent& e, double area, 
   return static_cast<double>(std::count(covered.begin(), covered.end(), std::uint8_t{1})) * cell * cell;
 }
 
-/// Lowers `low` to the lowest remaining sample of each cell.
+/// Finds the lowest remaining sample of each cell.
 void find_lowest(const PointSet& points, GroundGrid& grid) {
   grid.lowest.assign(grid.columns * grid.rows, GroundGrid::kNone);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -131,8 +137,9 @@ std::optional<SurveyExtent> measure_survey(const PointSet& points) {
   for (const Vec3f& p : points.positions)
     if (in_extent(p, limits)) box.extend(p), ++n;
   SurveyExtent extent{Vec3(box.lower), Vec3(box.upper)};
-  double area = (extent.upper.x - extent.lower.x) * (extent.upper.y - extent.lower.y);
-  if (n < 3 || !(area > 0)) return std::nullopt;
+  const double width = extent.upper.x - extent.lower.x, depth = extent.upper.y - extent.lower.y;
+  if (n < 3 || !(std::min(width, depth) > kLeastSide * std::max(width, depth))) return std::nullopt;
+  double area = width * depth;
   for (int round = 0; round < 2; ++round) area = covered_area(points, extent, area, static_cast<double>(n));
   extent.spacing = std::sqrt(area / static_cast<double>(n));
   return extent;
@@ -142,7 +149,7 @@ GroundGrid make_ground_grid(const PointSet& points, const SurveyExtent& extent, 
                             const GroundGrid* without) {
   GroundGrid grid;
   const double width = extent.upper.x - extent.lower.x, depth = extent.upper.y - extent.lower.y;
-  grid.cell = std::max(cell, std::sqrt(width * depth / (kMostCells * static_cast<double>(points.size()))));
+  grid.cell = std::max(cell, least_cell(width, depth, static_cast<double>(points.size())));
   grid.left = extent.lower.x - shift * grid.cell, grid.bottom = extent.lower.y - shift * grid.cell;
   grid.columns = whole_part<std::size_t>(width / grid.cell + shift) + 1;
   grid.rows = whole_part<std::size_t>(depth / grid.cell + shift) + 1;
