@@ -11,6 +11,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/ground/find_ground.h"
+#include "sansmesh/points/ground/ground_grid.h"
 #include "sansmesh/points/ground/height_raster.h"
 #include "sansmesh/points/point_classes.h"
 
