@@ -82,7 +82,10 @@ std::string utm_name(const UtmZone& z) {
   return fmt::format("{} / UTM zone {}{}", z.datum, z.zone, z.south ? "S" : "N");
 }
 
-std::string clean_name(const std::string& name) { return printable(name, kLongestName); }
+/// Empty for placeholders of other programs.
+std::string clean_name(const std::string& name) {
+  return name == "unnamed" || name == "unknown" ? std::string() : printable(name, kLongestName);
+}
 
 /// Letters and digits of a name, with years of two digits: "NAD_1983_UTM_Zone_10N" and "NAD83 / UTM zone 10N" are one.
 std::string plain_name(std::string_view name) {

@@ -34,6 +34,8 @@ TEST(ReferenceSystem, TextsGiveNamesCodesAndUnits) {
   EXPECT_EQ(system_words(*newer), "ETRS89 / UTM zone 32N (EPSG:25832), unit metre");
   EXPECT_EQ(angles->unit, "degree");
   EXPECT_EQ(angles->metres, 0);
+  EXPECT_EQ(system_words(*system_of_text("PROJCS[\"unnamed\",UNIT[\"m\",1],AUTHORITY[\"EPSG\",\"2056\"]]")),
+            "EPSG:2056, unit metre");
 }
 
 TEST(ReferenceSystem, CodesAlone) {
