@@ -1,6 +1,9 @@
 // Tests of surveys: tiles, classes of points, coordinates of a thousand kilometres in millimetres.
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <string>
 
 #include "run_tool.h"
 #include "sansmesh/io.h"
@@ -332,6 +335,45 @@ TEST_F(SurveyCommands, ReferenceSystemsGoThroughCommands) {
     EXPECT_NE(outcome.err.find("EPSG:32633"), std::string::npos) << outcome.err;
     EXPECT_NE(outcome.err.find("EPSG:32634"), std::string::npos) << outcome.err;
   }
+}
+
+TEST_F(SurveyCommands, UnclassifiedTilesHaveGroundAndHeights) {
+  std::string rows = "x,y,z\n";
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 60);
+  for (int i = 0; i < 6000; ++i) {
+    const double x = uniform(random), y = uniform(random);
+    const bool house = std::abs(x - 30) < 5 && std::abs(y - 20) < 4;
+    char line[80];
+    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f\n", 512000 + x, 5403000 + y, 100 + 0.1 * x + (house ? 6 : 0));
+    rows += line;
+  }
+  write("tile.csv", rows);
+  const Json classes = json_of({"convert", "tile.csv", "-o", "tile.las", "--classify-ground"});
+  EXPECT_EQ(classes["left_out"], Json::array());
+  const Json info = json_of({"info", "tile.las"});
+  const double ground = info["classes"]["2"], others = info["classes"]["1"];
+  EXPECT_NEAR(others, 6000 * 80 / 3600.0, 30);
+  EXPECT_EQ(ground + others, 6000);
+  const Outcome outcome = run({"reconstruct", "tile.csv", "--class", "ground", "-o", "terrain.ply"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE((outcome.out + outcome.err).find("found by its shape"), std::string::npos) << outcome.out << outcome.err;
+
+  const Json heights = json_of({"convert", "tile.las", "-o", "dem.tif", "--cell", "2", "--interval", "1", "--contours",
+                                "lines.dxf", "--hillshade", "shade.png"});
+  EXPECT_EQ(heights["heights"]["columns"], 30);
+  EXPECT_EQ(heights["heights"]["rows"], 30);
+  EXPECT_EQ(heights["heights"]["unknown"], 0) << "the house is filled";
+  EXPECT_NEAR(heights["heights"]["lowest"], 100.1, 0.02);
+  EXPECT_NEAR(heights["heights"]["highest"], 105.9, 0.02);
+  EXPECT_EQ(heights["contours"]["lines"], 5);
+  EXPECT_EQ(slurp(path("dem.tif")).substr(0, 4), std::string("II*\0", 4));
+  EXPECT_NE(slurp(path("lines.dxf")).find("CONTOUR_INDEX"), std::string::npos);
+  // A mesh has heights, too.
+  const Json mesh = json_of({"convert", "terrain.ply", "-o", "mesh.tif", "--cell", "2"});
+  EXPECT_NEAR(mesh["heights"]["highest"], 105.9, 0.1);
+  EXPECT_EQ(run({"convert", "tile.las", "-o", "a.ply", "--contours", "lines.dxf"}).code, 2);
+  EXPECT_EQ(run({"convert", "tile.las", "-o", "a.tif", "--contours", "lines.doc"}).code, 1);
 }
 
 }  // namespace

@@ -7,7 +7,10 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/ground/find_ground.h"
+#include "sansmesh/points/height_field.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/remedies.h"
 
@@ -38,6 +41,11 @@ bool is_unclassified(const PointSet& points) {
   return counts[0] + counts[kUnclassified] == points.size();
 }
 
+/// Whether the ground can be found by shape: the cloud is a terrain, or known to be an airborne survey.
+bool may_have_ground(const PointSet& points) {
+  return is_survey_from_above(points) || is_height_field(measure_height_field(points, estimate_noise(points)), true);
+}
+
 }  // namespace
 
 std::string GroundClassification::words() const {
@@ -60,6 +68,12 @@ GroundClassification classify_ground(PointSet& points, Progress& progress) {
     rows.push_back(static_cast<std::uint32_t>(i));
     judged.positions.push_back(points.positions[i]);
   }
+  if (const ReferenceSystem* const system = points.reference.get()) {
+    if (system->unit == "degree")
+      throw DataError("its coordinates are degrees: the ground is found in coordinates of one unit of length");
+    if (system->metres > 0 && system->vertical_metres > 0)
+      for (Vec3f& p : judged.positions) p.z *= static_cast<float>(system->vertical_metres / system->metres);
+  }
   const GroundSamples found = find_ground(judged, progress);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::uint8_t& c = classes[rows[k]];
@@ -74,7 +88,7 @@ GroundClassification classify_ground(PointSet& points, Progress& progress) {
 
 std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, Progress& progress) {
   std::vector<Note> notes;
-  if (classes[kGround] && !classes[kUnclassified] && is_unclassified(points)) {
+  if (classes[kGround] && !classes[kUnclassified] && is_unclassified(points) && may_have_ground(points)) {
     const GroundClassification made = classify_ground(points, progress);
     notes.push_back({.code = "ground_found",
                      .text = "no point is classified: the ground was found by its shape: " + made.words(),

@@ -27,8 +27,8 @@ struct GroundClassification {
 /// class 2. Throws DataError as find_ground.
 GroundClassification classify_ground(PointSet& points, Progress& progress);
 
-/// Keeps the points of these classes, as keep_classes. If they include ground and no point has a class but 0 and 1, the
-/// ground is found first, with a note "ground_found".
+/// Keeps the points of these classes, as keep_classes. If they include ground, no point has a class but 0 and 1, and
+/// the cloud is a terrain, the ground is found first, with a note "ground_found".
 std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, Progress& progress);
 
 /// Removes noise, and vegetation if there is ground: a terrain is without them. With a note "classes_left_out".
