@@ -248,6 +248,16 @@ TEST_F(E57Broken, AbsurdNumbersAreNamed) {
   expect(changed("</data3D>", "</dat!3D>"), "malformed XML: an end tag without a start");
 }
 
+TEST(E57, ScansThatShareTheirBytesAreRefused) {
+  E57TestScan scan = plain_scan(random_points(1000));
+  std::string other = "<points type=\"CompressedVector\" fileOffset=\"48\" recordCount=\"1000\"><prototype>";
+  for (const E57TestField& field : scan.fields) other += "<" + field.name + " " + field.xml + "/>";
+  other += "</prototype></points></vectorChild><vectorChild type=\"Structure\">";
+  for (int k = 0; k < 5; ++k) scan.xml += other;
+  const Folder folder;
+  expect_unreadable(folder.put("a.e57", e57_file({scan})), "malformed E57: the points of scan 2 overlap those of");
+}
+
 TEST(E57Oracle, AgreesWithWebE57) {
   const Folder folder;
   const RandomPoints p = random_points(3000);

@@ -88,7 +88,7 @@ std::string attribute_name(const std::string& field) {
 class E57Reader {
  public:
   E57Reader(const Input& in, const E57Pages& pages, E57Content content)
-      : in_(in), pages_(pages), content_(std::move(content)) {}
+      : in_(in), pages_(pages), content_(std::move(content)), bytes_left_(in.bytes.size()) {}
 
   PointSet read() {
     const std::vector<E57Scan>& scans = content_.scans;
@@ -110,6 +110,10 @@ class E57Reader {
  private:
   void read_scan(const E57Scan& scan) {
     const E57Section section(in_, pages_, scan.offset, scan.records, scan.fields, scan.name);
+    // Scans that share bytes could have any number of points in a small file.
+    if (section.size() > bytes_left_)
+      in_.fail(fmt::format("malformed E57: the points of scan {} overlap those of other scans", scan.name));
+    bytes_left_ -= section.size();
     const auto n = static_cast<std::size_t>(scan.records);
     const std::size_t first = world_.size();
     world_.resize(first + n);
@@ -342,6 +346,7 @@ class E57Reader {
   std::vector<Vec3> eyes_;             ///< known scanner positions
   std::vector<bool> eye_known_;        ///< a value per scan
   std::vector<AttributeTable> tables_;
+  std::uint64_t bytes_left_;  ///< bytes of the file that no section of points has used
   std::size_t colors_ = 0, normals_ = 0;  ///< scans that have them
 };
 
