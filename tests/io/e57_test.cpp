@@ -194,6 +194,26 @@ TEST(E57, SurveyCoordinatesKeepTheirMillimetres) {
   for (std::size_t i = 0; i < 500; ++i) EXPECT_LT(norm(e57_point(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
 }
 
+TEST(E57, InvalidPointsDoNotSpoilTheOrigin) {
+  RandomPoints p = random_points(500);
+  std::vector<std::int64_t> invalid(500);
+  for (std::size_t i = 0; i < 500; ++i) {
+    invalid[i] = i % 5 < 2;
+    if (invalid[i] == 0)
+      p.x[i] += 512345, p.y[i] += 5403210;
+    else
+      p.x[i] = p.y[i] = p.z[i] = 0;
+  }
+  E57TestScan scan = plain_scan(p);
+  scan.fields.push_back(E57TestField::whole("cartesianInvalidState", 0, 1, invalid));
+  ReadReport report;
+  const PointSet read = read_bytes(e57_file({scan, plain_scan({{512345}, {5403210}, {0}})}), &report);
+  ASSERT_EQ(read.size(), 301u);
+  for (std::size_t i = 0, k = 0; i < 500; ++i)
+    if (invalid[i] == 0) EXPECT_LT(norm(e57_point(read, k++) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+  EXPECT_EQ(report.warnings.size(), 1u);
+}
+
 TEST(E57, ThreadsDoNotMatter) {
   const RandomPoints p = random_points(40000);
   E57TestScan scan = plain_scan(p);

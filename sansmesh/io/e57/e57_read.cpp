@@ -125,7 +125,7 @@ class E57Reader {
     tables_.push_back(read_attributes(scan, section, n));
   }
 
-  /// Positions; those marked as invalid become NaN. Returns whether they are spherical coordinates.
+  /// Positions, and which of them are marked as invalid. Returns whether they are spherical coordinates.
   bool read_positions(const E57Scan& scan, const E57Section& section, std::size_t n, Vec3* out) {
     const E57Pose pose = scan.pose.value_or(E57Pose{});
     const bool moved = scan.pose && (pose.is_rotated() || pose.translation != Vec3{});
@@ -294,7 +294,11 @@ class E57Reader {
     for (const AttributeTable& table : tables_) tables.push_back(&table);
     all_.attributes = join_rows(tables, sizes_);
     tables_.clear();
-    store_positions(in_, all_, n, [&](std::size_t i) { return world_[i]; });
+    // Invalid points, mostly zeros, must not decide on the origin of survey coordinates.
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    store_positions(in_, all_, n, [&](std::size_t i) {
+      return i < invalid_.size() && invalid_[i] != 0 ? Vec3{nan, nan, nan} : world_[i];
+    });
     std::vector<Vec3>().swap(world_);
     for (const Vec3& eye : eyes_) all_.scanners.push_back(Vec3f(eye - all_.origin));
     drop_invalid();
