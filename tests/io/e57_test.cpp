@@ -187,6 +187,24 @@ TEST(E57, ColoursFollowTheirLimitsAndPartialArraysAreLeftOut) {
   EXPECT_TRUE(std::isnan((*two.attributes.find<float>("intensity"))[4]));
 }
 
+TEST(E57, ReturnsCountFromOneWhateverTheirRange) {
+  constexpr auto most = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t highest : {std::int64_t{2}, std::int64_t{255}, most}) {
+    E57TestScan scan = plain_scan(random_points(3));
+    scan.fields.push_back(E57TestField::whole("returnIndex", 0, highest, {0, 1, 2}));
+    const PointSet read = read_bytes(e57_file({scan}));
+    const Attribute* const returns = read.attributes.find("return_number");
+    ASSERT_TRUE(returns);
+    for (std::size_t i = 0; i < 3; ++i)
+      std::visit([&](const auto& v) { EXPECT_EQ(static_cast<std::size_t>(v[i]), i + 1); }, returns->values);
+  }
+  E57TestScan scaled = plain_scan(random_points(3));
+  scaled.fields.push_back(E57TestField::whole("returnIndex", 0, 7, {0, 1, 2}, "scale=\"1\""));
+  const PointSet read = read_bytes(e57_file({scaled}));
+  ASSERT_TRUE(read.attributes.find<double>("return_number"));
+  EXPECT_EQ(*read.attributes.find<double>("return_number"), (std::vector<double>{1, 2, 3}));
+}
+
 TEST(E57, SurveyCoordinatesKeepTheirMillimetres) {
   RandomPoints p = random_points(500);
   for (std::size_t i = 0; i < 500; ++i) p.x[i] += 512345, p.y[i] += 5403210;

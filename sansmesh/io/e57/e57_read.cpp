@@ -251,8 +251,9 @@ class E57Reader {
   static Attribute read_attribute(const E57Field& field, const E57Column& column, const std::string& name,
                                   std::size_t n) {
     // Returns count from 0 here, and from 1 in LAS and in this library.
-    const std::int64_t shift = field.name == "returnIndex" && field.highest < 255 ? 1 : 0;
-    const NumberType type = field.kind == E57Kind::integer  ? whole_type(field.lowest + shift, field.highest + shift)
+    const std::int64_t shift = field.name == "returnIndex" ? 1 : 0;
+    const std::int64_t highest = std::min(field.highest, std::numeric_limits<std::int64_t>::max() - shift) + shift;
+    const NumberType type = field.kind == E57Kind::integer  ? whole_type(field.lowest, highest)
                             : field.kind == E57Kind::real32 ? NumberType::f32
                                                             : NumberType::f64;
     Attribute a{name, empty_values(type), 1};
@@ -264,11 +265,13 @@ class E57Reader {
             if constexpr (std::is_floating_point_v<T>) {
               double block[kDecodedAtOnce];
               column.reals(first, count, block);
-              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i]);
+              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i] + static_cast<double>(shift));
             } else {
               std::int64_t block[kDecodedAtOnce];
               column.integers(first, count, block);
-              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i] + shift);
+              const auto more = static_cast<std::uint64_t>(shift);
+              for (std::size_t i = 0; i < count; ++i)
+                values[first + i] = static_cast<T>(static_cast<std::uint64_t>(block[i]) + more);
             }
           });
         },
