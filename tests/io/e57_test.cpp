@@ -6,6 +6,7 @@
 #include "io_test_tools.h"
 #include "oracle.h"
 #include "sansmesh/io/e57/crc32c.h"
+#include "sansmesh/io/meshes/vtk_xml.h"
 #include "support/any_threads.h"
 #include "support/places.h"
 
@@ -244,6 +245,14 @@ TEST(E57, ThreadsDoNotMatter) {
                   });
 }
 
+TEST(E57Xml, EntitiesTakeLinearTime) {
+  EXPECT_EQ(io::from_xml("a &lt;b&gt; &amp;amp; &#65;&#0000066; &x; &; & &quot;&apos;"), "a <b> &amp; AB &x; &; & \"'");
+  // Some milliseconds; minutes if every character looked for the end of an entity.
+  const std::string text(std::size_t{1} << 22, 'x'), marks(std::size_t{1} << 22, '&');
+  EXPECT_EQ(io::from_xml(text + ";"), text + ";");
+  EXPECT_EQ(io::from_xml(marks), marks);
+}
+
 class E57Broken : public ::testing::Test {
  protected:
   void expect(const std::string& bytes, const std::string& part) {
@@ -283,6 +292,10 @@ TEST_F(E57Broken, AbsurdNumbersAreNamed) {
   expect(changed("cartesianX", "cartesianW"), "neither Cartesian nor spherical");
   expect(changed("type=\"Float\"", "type=\"Flaot\""), "is of type 'Flaot'");
   expect(changed("<prototype", "<prototypo"), "malformed XML");
+  std::string long_xml = good_;
+  long_xml.replace(32, 8, "\1\0\0\4\0\0\0\0", 8);
+  long_xml.replace(0, 1024, e57_pages(long_xml.substr(0, 1020)));
+  expect(long_xml, "its XML section has 67,108,865 bytes; at most 67,108,864 are supported");
   expect(changed("</data3D>", "</dat!3D>"), "malformed XML: an end tag without a start");
 }
 
