@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "sansmesh/core/number_words.h"
@@ -45,6 +46,28 @@ std::string format_group(const std::string& file) {
   return format->id == FormatId::laz ? "LAS" : std::string(format->name);
 }
 
+/// The name without endings that only state how the points are packed: tile.las, tile.laz, tile.copc.laz, tile.las.gz.
+std::string unpacked_name(const std::string& file) {
+  fs::path name(file);
+  if (lower(name.extension().string()) == ".gz") name.replace_extension();
+  if (format_group(file) != "LAS") return name.string();
+  name.replace_extension();
+  if (lower(name.extension().string()) == ".copc") name.replace_extension();
+  return name.string();
+}
+
+/// Throws FileError if two files of a folder or pattern seem to be copies of the same points.
+void check_copies(const std::string& name, const std::vector<std::string>& files) {
+  std::map<std::string, const std::string*> known;
+  for (const std::string& file : files) {
+    const auto [other, is_new] = known.emplace(unpacked_name(file), &file);
+    if (is_new) continue;
+    throw FileError(name, fmt::format("has {} and {}, which seem to be the same points; a pattern or list selects one",
+                                      printable(fs::path(*other->second).filename().string(), 200),
+                                      printable(fs::path(file).filename().string(), 200)));
+  }
+}
+
 using FilesByFormat = std::map<std::string, std::vector<std::string>>;
 
 /// Clouds and meshes of a folder.
@@ -79,6 +102,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   std::vector<std::string>& files = by_format.begin()->second;
   std::sort(files.begin(), files.end());
+  check_copies(folder, files);
   return std::move(files);
 }
 
@@ -93,7 +117,18 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   ::globfree(&found);
   if (files.empty()) throw FileError(pattern, "no file matches the pattern");
   std::sort(files.begin(), files.end());
+  check_copies(pattern, files);
   return files;
+}
+
+/// Leaves out files that were named before, by whatever path.
+void drop_repeated(std::vector<std::string>& files) {
+  std::set<std::string> known;
+  std::erase_if(files, [&](const std::string& file) {
+    std::error_code error;
+    const fs::path path = fs::weakly_canonical(file, error);
+    return !known.insert(error ? file : path.string()).second;
+  });
 }
 
 std::string_view trimmed(std::string_view line) {
@@ -190,6 +225,7 @@ std::vector<std::string> list_cloud_files(const std::vector<std::string>& names)
       files = {name};
     all.insert(all.end(), std::make_move_iterator(files.begin()), std::make_move_iterator(files.end()));
   }
+  drop_repeated(all);
   return all;
 }
 
