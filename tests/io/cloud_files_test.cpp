@@ -70,6 +70,19 @@ TEST(CloudFiles, TilesGiveTheCloudOfTheMergedFile) {
   }
 }
 
+TEST(CloudFiles, TheFolderOfAListIsNoPattern) {
+  const Tiles t;
+  for (const std::string folder : {"run[2]", "run*", "run\\?"}) {
+    std::filesystem::rename(t.folder / "tiles", t.folder / folder);
+    const std::string list = t.folder.put(folder + "/a.lst", "[ab].las\n");
+    EXPECT_EQ(io::list_cloud_files({list}),
+              (std::vector{t.folder / (folder + "/a.las"), t.folder / (folder + "/b.las")}));
+    t.folder.put(folder + "/a.lst", "e.las\n");
+    expect_file_error(list, "line 1 names", [&] { io::list_cloud_files({list}); });
+    std::filesystem::rename(t.folder / folder, t.folder / "tiles");
+  }
+}
+
 TEST(CloudFiles, NoPointIsReadTwice) {
   const Tiles t;
   std::filesystem::create_symlink(t.names[0], t.folder / "link.las");

@@ -138,12 +138,31 @@ std::string_view trimmed(std::string_view line) {
 }
 
 /// A name in a list: beside the list, or from the current folder.
-std::string resolved(const std::string& list, std::string_view name) {
-  std::string beside = (fs::path(list).parent_path() / name).string();
-  std::string here(name);
-  if (does_exist(beside) || !does_exist(here)) return beside;
-  return here;
-}
+struct ListedName {
+  std::string path;
+  std::string pattern;  ///< empty if the name is that of a file or folder
+
+  ListedName(const std::string& list, std::string_view name) : path((fs::path(list).parent_path() / name).string()) {
+    const std::string here(name);
+    if (does_exist(path)) return;
+    if (does_exist(here)) {
+      path = here;
+    } else if (is_pattern(here)) {
+      // The name is a pattern, and the folder of the list is none.
+      pattern = fs::path(here).is_absolute() ? here : literal(path.substr(0, path.size() - here.size())) + here;
+    }
+  }
+
+ private:
+  static std::string literal(std::string_view name) {
+    std::string escaped;
+    for (const char c : name) {
+      if (std::string_view("*?[]\\").find(c) != std::string_view::npos) escaped += '\\';
+      escaped += c;
+    }
+    return escaped;
+  }
+};
 
 /// First line that is no comment; empty if the text is no list.
 std::string_view first_name(std::string_view text) {
@@ -168,8 +187,9 @@ bool is_list(const std::string& file) {
   start.resize(static_cast<std::size_t>(stream.gcount()));
   const std::string_view name = first_name(start);
   if (name.empty()) return false;
-  const std::string path = resolved(file, name);
-  return is_folder(path) || (does_exist(path) && is_read(path)) || (is_pattern(path) && is_read(path));
+  const ListedName listed(file, name);
+  if (!listed.pattern.empty()) return is_read(listed.path);
+  return is_folder(listed.path) || (does_exist(listed.path) && is_read(listed.path));
 }
 
 std::vector<std::string> files_of_list(const std::string& list) {
@@ -183,9 +203,10 @@ std::vector<std::string> files_of_list(const std::string& list) {
     if (name.empty() || name.front() == '#') continue;
     if (name.size() > kLongestLine || name.find('\0') != std::string_view::npos)
       throw FileError(list, fmt::format("line {} is no name of a file", grouped(number)));
-    const std::string path = resolved(list, name);
-    if (is_folder(path) || is_pattern(path)) {
-      const std::vector<std::string> more = is_folder(path) ? files_of_folder(path) : files_of_pattern(path);
+    const ListedName listed(list, name);
+    const std::string& path = listed.path;
+    if (is_folder(path) || !listed.pattern.empty()) {
+      const std::vector<std::string> more = is_folder(path) ? files_of_folder(path) : files_of_pattern(listed.pattern);
       files.insert(files.end(), more.begin(), more.end());
     } else if (!does_exist(path)) {
       throw FileError(list,
