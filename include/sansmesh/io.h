@@ -66,7 +66,7 @@ SANSMESH_API bool is_read(const std::string& file);
 
 /// Reads several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. Names may be
 /// folders (their files of one format, in the order of names), patterns ("tiles/*.las") and lists of files (ending
-/// .lst, .list or .txt, a name per line). A file that is named twice is read once. All positions refer to one origin, that of a file with all points. The
+/// .lst, .list or .txt, a name per line). All positions refer to one origin, that of a file with all points. The
 /// attributes are those of all files; if a file lacks one, or has it with another type than the first file that has it,
 /// the values of its points are unknown (NaN, or 0 for integers). Normals and colours are left out, with a warning,
 /// unless all files have them. Scanner positions are kept, and are unknown for points of files without them. Faces of

@@ -94,9 +94,8 @@ TEST(CloudFiles, NoPointIsReadTwice) {
   for (const std::string copy : {"tiles/b.laz", "tiles/b.copc.laz", "tiles/b.las.gz"}) {
     const std::string made = t.folder.put(copy, "x");
     for (const std::string name : {"tiles", "tiles/*.la*"})
-      expect_file_error(t.folder / name, "which seem to be the same points", [&] {
-        io::list_cloud_files({t.folder / name});
-      });
+      expect_file_error(t.folder / name, "which seem to be the same points",
+                        [&] { io::list_cloud_files({t.folder / name}); });
     std::filesystem::remove(made);
   }
 }

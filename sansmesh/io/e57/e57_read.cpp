@@ -265,7 +265,8 @@ class E57Reader {
             if constexpr (std::is_floating_point_v<T>) {
               double block[kDecodedAtOnce];
               column.reals(first, count, block);
-              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i] + static_cast<double>(shift));
+              for (std::size_t i = 0; i < count; ++i)
+                values[first + i] = static_cast<T>(block[i] + static_cast<double>(shift));
             } else {
               std::int64_t block[kDecodedAtOnce];
               column.integers(first, count, block);
@@ -353,7 +354,7 @@ class E57Reader {
   std::vector<Vec3> eyes_;             ///< known scanner positions
   std::vector<bool> eye_known_;        ///< a value per scan
   std::vector<AttributeTable> tables_;
-  std::uint64_t bytes_left_;  ///< bytes of the file that no section of points has used
+  std::uint64_t bytes_left_;              ///< bytes of the file that no section of points has used
   std::size_t colors_ = 0, normals_ = 0;  ///< scans that have them
 };
 

@@ -122,8 +122,7 @@ SharedSystem join_systems(const std::vector<std::string>& files, const std::vect
   if (system && unknown > 0)
     report.warnings.push_back(printable(files[first_unknown], 200) +
                               (unknown > 1 ? " and " + grouped(unknown - 1) + " more state" : ": states") +
-                              " no reference system: that of the other files is assumed, " +
-                              system_words(*system));
+                              " no reference system: that of the other files is assumed, " + system_words(*system));
   return system;
 }
 
