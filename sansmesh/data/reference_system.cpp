@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "sansmesh/data/wkt_tree.h"
@@ -234,6 +235,20 @@ std::optional<ReferenceSystem> describe_keys(const GeoKeys& keys) {
   return system;
 }
 
+/// What a system states, the most important part first.
+auto knowledge(const ReferenceSystem& s) {
+  return std::tuple(s.code != 0, !s.name.empty(), s.vertical_code != 0, !s.wkt.empty(), !s.geo_keys.empty(),
+                    !s.unit.empty(), !s.vertical_unit.empty());
+}
+
+/// Whether no comparison tells the systems apart.
+bool is_described_alike(const ReferenceSystem& a, const ReferenceSystem& b) {
+  const auto compared = [](const ReferenceSystem& s) {
+    return std::tie(s.code, s.vertical_code, s.metres, s.vertical_metres, s.unit, s.name);
+  };
+  return compared(a) == compared(b) && knowledge(a) == knowledge(b);
+}
+
 }  // namespace
 
 SharedSystem system_of_text(std::string_view text) {
@@ -304,6 +319,23 @@ bool may_be_equal(const ReferenceSystem* a, const ReferenceSystem* b) {
   if ((a->unit == kDegree) != (b->unit == kDegree) && !a->unit.empty() && !b->unit.empty()) return false;
   if (a->code != 0 && a->code == b->code) return true;
   return a->name.empty() || b->name.empty() || plain_name(a->name) == plain_name(b->name);
+}
+
+const CommonSystem::Stated* CommonSystem::add(const std::string& name, const SharedSystem& system) {
+  if (!system) return nullptr;
+  bool is_known = false;
+  for (const Stated& s : different_) {
+    if (!may_be_equal(s.system.get(), system.get())) return &s;
+    is_known = is_known || is_described_alike(*s.system, *system);
+  }
+  if (!is_known) different_.push_back({name, system});
+  return nullptr;
+}
+
+SharedSystem CommonSystem::system() const {
+  const auto less = [](const Stated& a, const Stated& b) { return knowledge(*a.system) < knowledge(*b.system); };
+  const auto most = std::max_element(different_.begin(), different_.end(), less);
+  return most == different_.end() ? nullptr : most->system;
 }
 
 void require_same_system(const ReferenceSystem* a, std::string_view a_is, const ReferenceSystem* b,

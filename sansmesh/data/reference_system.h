@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sansmesh/point_set.h"
 
@@ -34,6 +35,24 @@ std::string unit_words(const ReferenceSystem& system);
 
 /// False only if the systems differ for certain: in their codes, or else in their names or units. Null is any system.
 bool may_be_equal(const ReferenceSystem* a, const ReferenceSystem* b);
+
+/// Reference systems of several inputs. All pairs are compared: one that states only its unit may equal two others that
+/// differ.
+class CommonSystem {
+ public:
+  struct Stated {
+    std::string name;  ///< name of the input
+    SharedSystem system;
+  };
+
+  /// Adds the system of an input; null is unknown. Returns an earlier input whose system differs for certain, or null.
+  const Stated* add(const std::string& name, const SharedSystem& system);
+  /// The system of the inputs that states most; null if all are unknown.
+  SharedSystem system() const;
+
+ private:
+  std::vector<Stated> different_;  ///< one input per description
+};
 
 /// Throws DataError, which names both, unless they may be equal. `a_is`, `b_is`: "the part".
 void require_same_system(const ReferenceSystem* a, std::string_view a_is, const ReferenceSystem* b,

@@ -71,9 +71,9 @@ class SolidReader {
 
  private:
   void add_reference(const std::string& name, const std::shared_ptr<const ReferenceSystem>& of_file) {
-    if (!of_file) return;
-    require_same_system(reference.get(), reference_from_, of_file.get(), name);
-    if (!reference) reference = of_file, reference_from_ = name;
+    if (const auto* const other = systems_.add(name, of_file))
+      require_same_system(other->system.get(), other->name, of_file.get(), name);
+    reference = systems_.system();
   }
 
   void add_file(const std::string& name) {
@@ -122,7 +122,7 @@ class SolidReader {
   }
 
   Progress& progress_;
-  std::string reference_from_;  ///< file that stated the reference system
+  CommonSystem systems_;
 };
 
 }  // namespace

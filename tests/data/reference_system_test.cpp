@@ -77,6 +77,24 @@ TEST(ReferenceSystem, GeoTiffKeys) {
   EXPECT_TRUE(system_of_keys(bad, {}, "x"));
 }
 
+TEST(ReferenceSystem, AllPairsOfInputsAreCompared) {
+  const auto unit = system_of_text("LOCAL_CS[\"\",UNIT[\"metre\",1]]"), a = system_of_text("EPSG:25832"),
+             b = system_of_text("EPSG:25833");
+  ASSERT_TRUE(unit && may_be_equal(unit.get(), a.get()) && may_be_equal(unit.get(), b.get()));
+  CommonSystem common;
+  EXPECT_FALSE(common.system());
+  EXPECT_FALSE(common.add("none", nullptr));
+  EXPECT_FALSE(common.add("unit", unit));
+  EXPECT_EQ(common.system(), unit);
+  EXPECT_FALSE(common.add("a", a));
+  EXPECT_FALSE(common.add("again", system_of_text("EPSG:25832")));
+  EXPECT_EQ(common.system(), a);
+  const CommonSystem::Stated* const other = common.add("b", b);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->name, "a");
+  EXPECT_EQ(common.system(), a);
+}
+
 TEST(ReferenceSystem, DifferentSystemsAreNamed) {
   const auto utm = system_of_text(kUtm), feet = system_of_text(kFeet), code = system_of_text("EPSG:26910"),
              other = system_of_text("EPSG:26911");

@@ -70,6 +70,36 @@ TEST(CloudFiles, TilesGiveTheCloudOfTheMergedFile) {
   }
 }
 
+TEST(CloudFiles, TheFolderOfAListIsNoPattern) {
+  const Tiles t;
+  for (const std::string folder : {"run[2]", "run*", "run\\?"}) {
+    std::filesystem::rename(t.folder / "tiles", t.folder / folder);
+    const std::string list = t.folder.put(folder + "/a.lst", "[ab].las\n");
+    EXPECT_EQ(io::list_cloud_files({list}),
+              (std::vector{t.folder / (folder + "/a.las"), t.folder / (folder + "/b.las")}));
+    t.folder.put(folder + "/a.lst", "e.las\n");
+    expect_file_error(list, "line 1 names", [&] { io::list_cloud_files({list}); });
+    std::filesystem::rename(t.folder / folder, t.folder / "tiles");
+  }
+}
+
+TEST(CloudFiles, NoPointIsReadTwice) {
+  const Tiles t;
+  std::filesystem::create_symlink(t.names[0], t.folder / "link.las");
+  EXPECT_EQ(io::list_cloud_files({t.folder / "tiles", t.folder / "tiles/../tiles/b.las", t.folder / "link.las"}),
+            t.names);
+  const std::string list = t.folder.put("a.lst", "tiles/b.las\ntiles/*.las\n");
+  EXPECT_EQ(io::list_cloud_files({list}), (std::vector{t.names[1], t.names[0], t.names[2], t.names[3]}));
+  // The same points, compressed.
+  for (const std::string copy : {"tiles/b.laz", "tiles/b.copc.laz", "tiles/b.las.gz"}) {
+    const std::string made = t.folder.put(copy, "x");
+    for (const std::string name : {"tiles", "tiles/*.la*"})
+      expect_file_error(t.folder / name, "which seem to be the same points",
+                        [&] { io::list_cloud_files({t.folder / name}); });
+    std::filesystem::remove(made);
+  }
+}
+
 TEST(CloudFiles, NamesWithoutFilesAreErrors) {
   const Tiles t;
   const auto expect = [&](const std::string& name, const std::string& part) {

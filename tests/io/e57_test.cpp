@@ -6,6 +6,7 @@
 #include "io_test_tools.h"
 #include "oracle.h"
 #include "sansmesh/io/e57/crc32c.h"
+#include "sansmesh/io/meshes/vtk_xml.h"
 #include "support/any_threads.h"
 #include "support/places.h"
 
@@ -187,11 +188,49 @@ TEST(E57, ColoursFollowTheirLimitsAndPartialArraysAreLeftOut) {
   EXPECT_TRUE(std::isnan((*two.attributes.find<float>("intensity"))[4]));
 }
 
+TEST(E57, ReturnsCountFromOneWhateverTheirRange) {
+  constexpr auto most = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t highest : {std::int64_t{2}, std::int64_t{255}, most}) {
+    E57TestScan scan = plain_scan(random_points(3));
+    scan.fields.push_back(E57TestField::whole("returnIndex", 0, highest, {0, 1, 2}));
+    const PointSet read = read_bytes(e57_file({scan}));
+    const Attribute* const returns = read.attributes.find("return_number");
+    ASSERT_TRUE(returns);
+    for (std::size_t i = 0; i < 3; ++i)
+      std::visit([&](const auto& v) { EXPECT_EQ(static_cast<std::size_t>(v[i]), i + 1); }, returns->values);
+  }
+  E57TestScan scaled = plain_scan(random_points(3));
+  scaled.fields.push_back(E57TestField::whole("returnIndex", 0, 7, {0, 1, 2}, "scale=\"1\""));
+  const PointSet read = read_bytes(e57_file({scaled}));
+  ASSERT_TRUE(read.attributes.find<double>("return_number"));
+  EXPECT_EQ(*read.attributes.find<double>("return_number"), (std::vector<double>{1, 2, 3}));
+}
+
 TEST(E57, SurveyCoordinatesKeepTheirMillimetres) {
   RandomPoints p = random_points(500);
   for (std::size_t i = 0; i < 500; ++i) p.x[i] += 512345, p.y[i] += 5403210;
   const PointSet read = read_bytes(e57_file({plain_scan(p)}));
   for (std::size_t i = 0; i < 500; ++i) EXPECT_LT(norm(e57_point(read, i) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+}
+
+TEST(E57, InvalidPointsDoNotSpoilTheOrigin) {
+  RandomPoints p = random_points(500);
+  std::vector<std::int64_t> invalid(500);
+  for (std::size_t i = 0; i < 500; ++i) {
+    invalid[i] = i % 5 < 2;
+    if (invalid[i] == 0)
+      p.x[i] += 512345, p.y[i] += 5403210;
+    else
+      p.x[i] = p.y[i] = p.z[i] = 0;
+  }
+  E57TestScan scan = plain_scan(p);
+  scan.fields.push_back(E57TestField::whole("cartesianInvalidState", 0, 1, invalid));
+  ReadReport report;
+  const PointSet read = read_bytes(e57_file({scan, plain_scan({{512345}, {5403210}, {0}})}), &report);
+  ASSERT_EQ(read.size(), 301u);
+  for (std::size_t i = 0, k = 0; i < 500; ++i)
+    if (invalid[i] == 0) EXPECT_LT(norm(e57_point(read, k++) - Vec3{p.x[i], p.y[i], p.z[i]}), 1e-6);
+  EXPECT_EQ(report.warnings.size(), 1u);
 }
 
 TEST(E57, ThreadsDoNotMatter) {
@@ -204,6 +243,14 @@ TEST(E57, ThreadsDoNotMatter) {
                     EXPECT_EQ(a.positions, b.positions);
                     EXPECT_EQ(a.origin, b.origin);
                   });
+}
+
+TEST(E57Xml, EntitiesTakeLinearTime) {
+  EXPECT_EQ(io::from_xml("a &lt;b&gt; &amp;amp; &#65;&#0000066; &x; &; & &quot;&apos;"), "a <b> &amp; AB &x; &; & \"'");
+  // Some milliseconds; minutes if every character looked for the end of an entity.
+  const std::string text(std::size_t{1} << 22, 'x'), marks(std::size_t{1} << 22, '&');
+  EXPECT_EQ(io::from_xml(text + ";"), text + ";");
+  EXPECT_EQ(io::from_xml(marks), marks);
 }
 
 class E57Broken : public ::testing::Test {
@@ -245,7 +292,21 @@ TEST_F(E57Broken, AbsurdNumbersAreNamed) {
   expect(changed("cartesianX", "cartesianW"), "neither Cartesian nor spherical");
   expect(changed("type=\"Float\"", "type=\"Flaot\""), "is of type 'Flaot'");
   expect(changed("<prototype", "<prototypo"), "malformed XML");
+  std::string long_xml = good_;
+  long_xml.replace(32, 8, "\1\0\0\4\0\0\0\0", 8);
+  long_xml.replace(0, 1024, e57_pages(long_xml.substr(0, 1020)));
+  expect(long_xml, "its XML section has 67,108,865 bytes; at most 67,108,864 are supported");
   expect(changed("</data3D>", "</dat!3D>"), "malformed XML: an end tag without a start");
+}
+
+TEST(E57, ScansThatShareTheirBytesAreRefused) {
+  E57TestScan scan = plain_scan(random_points(1000));
+  std::string other = "<points type=\"CompressedVector\" fileOffset=\"48\" recordCount=\"1000\"><prototype>";
+  for (const E57TestField& field : scan.fields) other += "<" + field.name + " " + field.xml + "/>";
+  other += "</prototype></points></vectorChild><vectorChild type=\"Structure\">";
+  for (int k = 0; k < 5; ++k) scan.xml += other;
+  const Folder folder;
+  expect_unreadable(folder.put("a.e57", e57_file({scan})), "malformed E57: the points of scan 2 overlap those of");
 }
 
 TEST(E57Oracle, AgreesWithWebE57) {

@@ -184,7 +184,9 @@ TEST(MergedFiles, ScannersAndFacesAreNumberedAnew) {
   const Folder folder;
   for (const SampleFile& s : sample_files()) folder.put(s.name, s.content);
   const PointSet one = read_points(folder / "little.ply");
-  const PointSet meshes = read_merged({folder / "little.ply", folder / "a.obj", folder / "little.ply"});
+  for (const char* name : {"little.ply", "a.conf"})
+    std::filesystem::copy_file(folder / name, folder / ("copy_" + std::string(name)));
+  const PointSet meshes = read_merged({folder / "little.ply", folder / "a.obj", folder / "copy_little.ply"});
   ASSERT_EQ(meshes.size(), 12u);
   ASSERT_EQ(meshes.triangles.size(), 12u);
   for (std::size_t t = 0; t < 4; ++t)
@@ -192,7 +194,7 @@ TEST(MergedFiles, ScannersAndFacesAreNumberedAnew) {
       EXPECT_EQ(meshes.triangles[t][k], one.triangles[t][k]);
       EXPECT_EQ(meshes.triangles[8 + t][k], one.triangles[t][k] + 8);
     }
-  const PointSet scans = read_merged({folder / "a.conf", folder / "a.conf"});
+  const PointSet scans = read_merged({folder / "a.conf", folder / "copy_a.conf"});
   ASSERT_EQ(scans.scanners.size(), 4u);
   ASSERT_EQ(scans.scan_of_point.size(), 16u);
   EXPECT_EQ(scans.scan_of_point[0], 0);

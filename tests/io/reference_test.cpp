@@ -85,6 +85,22 @@ TEST(Reference, DifferentSystemsAreNotReadAsOne) {
   EXPECT_NE(report.warnings[0].find("c.las: states no reference system"), std::string::npos) << report.warnings[0];
 }
 
+TEST(Reference, AFileWithoutCodeDoesNotHideDifferentOnes) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  const auto put = [&](const std::string& name, const std::string& system) {
+    points.reference = system_of_text(system);
+    write_points(folder / name, points);
+    return folder / name;
+  };
+  const std::string unit = put("unit.ply", "LOCAL_CS[\"\",UNIT[\"metre\",1]]"), a = put("a.ply", "EPSG:25832"),
+                    b = put("b.ply", "EPSG:25833");
+  const SharedSystem common = read_merged({unit, a}).reference;
+  ASSERT_TRUE(common);
+  EXPECT_EQ(common->code, 25832);
+  expect_file_error(b, "and that of " + a + " is", [&] { read_merged({unit, a, b}); });
+}
+
 TEST(Reference, DistortingUnitsAreWarnings) {
   const Folder folder;
   PointSet points = made_points(8);

@@ -16,6 +16,8 @@ namespace {
 constexpr std::uint64_t kPage = 1024, kContent = kPage - 4;
 constexpr std::size_t kHeaderSize = 48, kSlack = 16;
 constexpr std::size_t kPagesAtOnce = 256;
+/// Descriptions of some 15,000 scans.
+constexpr std::uint64_t kLongestXml = std::uint64_t{1} << 26;
 
 }  // namespace
 
@@ -36,6 +38,13 @@ E57Pages::E57Pages(const Input& in) : in_(in), pages_(in.bytes.size() / kPage) {
   pages_ = length / kPage;
   xml_offset_ = load<std::uint64_t>(bytes.data() + 24), xml_length_ = load<std::uint64_t>(bytes.data() + 32);
   read(0, kHeaderSize, "the header");
+}
+
+E57Bytes E57Pages::xml() const {
+  if (xml_length_ > kLongestXml)
+    in_.fail(fmt::format("its XML section has {} bytes; at most {} are supported", grouped(xml_length_),
+                         grouped(kLongestXml)));
+  return read(xml_offset_, xml_length_, "the XML section");
 }
 
 std::uint64_t E57Pages::logical(std::uint64_t offset, const char* what) const {

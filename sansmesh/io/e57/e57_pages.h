@@ -24,8 +24,8 @@ class E57Pages {
   /// Checks the header. Throws FileError if the file is truncated or of another version.
   explicit E57Pages(const Input& in);
 
-  /// Content of the XML section.
-  E57Bytes xml() const { return read(xml_offset_, xml_length_, "the XML section"); }
+  /// Content of the XML section. Throws FileError if it has more than 64 MiB: its tree takes up to 30 times as much.
+  E57Bytes xml() const;
   /// `length` bytes of content at a position in the file. Throws FileError if they are not in the file, or if a page
   /// does not match its checksum; the message names `what`, and the first such page.
   E57Bytes read(std::uint64_t offset, std::uint64_t length, const char* what) const;

@@ -88,7 +88,7 @@ std::string attribute_name(const std::string& field) {
 class E57Reader {
  public:
   E57Reader(const Input& in, const E57Pages& pages, E57Content content)
-      : in_(in), pages_(pages), content_(std::move(content)) {}
+      : in_(in), pages_(pages), content_(std::move(content)), bytes_left_(in.bytes.size()) {}
 
   PointSet read() {
     const std::vector<E57Scan>& scans = content_.scans;
@@ -110,6 +110,10 @@ class E57Reader {
  private:
   void read_scan(const E57Scan& scan) {
     const E57Section section(in_, pages_, scan.offset, scan.records, scan.fields, scan.name);
+    // Scans that share bytes could have any number of points in a small file.
+    if (section.size() > bytes_left_)
+      in_.fail(fmt::format("malformed E57: the points of scan {} overlap those of other scans", scan.name));
+    bytes_left_ -= section.size();
     const auto n = static_cast<std::size_t>(scan.records);
     const std::size_t first = world_.size();
     world_.resize(first + n);
@@ -121,7 +125,7 @@ class E57Reader {
     tables_.push_back(read_attributes(scan, section, n));
   }
 
-  /// Positions; those marked as invalid become NaN. Returns whether they are spherical coordinates.
+  /// Positions, and which of them are marked as invalid. Returns whether they are spherical coordinates.
   bool read_positions(const E57Scan& scan, const E57Section& section, std::size_t n, Vec3* out) {
     const E57Pose pose = scan.pose.value_or(E57Pose{});
     const bool moved = scan.pose && (pose.is_rotated() || pose.translation != Vec3{});
@@ -247,8 +251,9 @@ class E57Reader {
   static Attribute read_attribute(const E57Field& field, const E57Column& column, const std::string& name,
                                   std::size_t n) {
     // Returns count from 0 here, and from 1 in LAS and in this library.
-    const std::int64_t shift = field.name == "returnIndex" && field.highest < 255 ? 1 : 0;
-    const NumberType type = field.kind == E57Kind::integer  ? whole_type(field.lowest + shift, field.highest + shift)
+    const std::int64_t shift = field.name == "returnIndex" ? 1 : 0;
+    const std::int64_t highest = std::min(field.highest, std::numeric_limits<std::int64_t>::max() - shift) + shift;
+    const NumberType type = field.kind == E57Kind::integer  ? whole_type(field.lowest, highest)
                             : field.kind == E57Kind::real32 ? NumberType::f32
                                                             : NumberType::f64;
     Attribute a{name, empty_values(type), 1};
@@ -260,11 +265,14 @@ class E57Reader {
             if constexpr (std::is_floating_point_v<T>) {
               double block[kDecodedAtOnce];
               column.reals(first, count, block);
-              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i]);
+              for (std::size_t i = 0; i < count; ++i)
+                values[first + i] = static_cast<T>(block[i] + static_cast<double>(shift));
             } else {
               std::int64_t block[kDecodedAtOnce];
               column.integers(first, count, block);
-              for (std::size_t i = 0; i < count; ++i) values[first + i] = static_cast<T>(block[i] + shift);
+              const auto more = static_cast<std::uint64_t>(shift);
+              for (std::size_t i = 0; i < count; ++i)
+                values[first + i] = static_cast<T>(static_cast<std::uint64_t>(block[i]) + more);
             }
           });
         },
@@ -290,7 +298,11 @@ class E57Reader {
     for (const AttributeTable& table : tables_) tables.push_back(&table);
     all_.attributes = join_rows(tables, sizes_);
     tables_.clear();
-    store_positions(in_, all_, n, [&](std::size_t i) { return world_[i]; });
+    // Invalid points, mostly zeros, must not decide on the origin of survey coordinates.
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    store_positions(in_, all_, n, [&](std::size_t i) {
+      return i < invalid_.size() && invalid_[i] != 0 ? Vec3{nan, nan, nan} : world_[i];
+    });
     std::vector<Vec3>().swap(world_);
     for (const Vec3& eye : eyes_) all_.scanners.push_back(Vec3f(eye - all_.origin));
     drop_invalid();
@@ -342,6 +354,7 @@ class E57Reader {
   std::vector<Vec3> eyes_;             ///< known scanner positions
   std::vector<bool> eye_known_;        ///< a value per scan
   std::vector<AttributeTable> tables_;
+  std::uint64_t bytes_left_;              ///< bytes of the file that no section of points has used
   std::size_t colors_ = 0, normals_ = 0;  ///< scans that have them
 };
 

@@ -47,6 +47,8 @@ class E57Section {
   E57Section(const Input& in, const E57Pages& pages, std::uint64_t offset, std::uint64_t records,
              const std::vector<E57Field>& fields, const std::string& name);
 
+  /// Bytes of the section in the file.
+  std::size_t size() const { return bytes_.size; }
   /// Joins the parts of a field, which is no text.
   E57Column column(std::size_t field) const;
 

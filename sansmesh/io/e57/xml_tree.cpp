@@ -12,7 +12,7 @@ constexpr std::size_t kDeepestElement = 256;
 
 class TreeParser {
  public:
-  TreeParser(std::string_view text, const std::function<void(const std::string&)>& fail, std::vector<XmlElement>& out)
+  TreeParser(std::string_view text, const std::function<void(const std::string&)>& fail, std::deque<XmlElement>& out)
       : rest_(without_byte_order_mark(text)), fail_(fail), elements_(out) {}
 
   void parse() {
@@ -111,7 +111,7 @@ class TreeParser {
 
   std::string_view rest_;
   const std::function<void(const std::string&)>& fail_;
-  std::vector<XmlElement>& elements_;
+  std::deque<XmlElement>& elements_;
   std::vector<std::uint32_t> open_;
 };
 

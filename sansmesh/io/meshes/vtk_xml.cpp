@@ -65,10 +65,14 @@ std::optional<NumberType> vtk_type_of_name(std::string_view name) {
 std::string from_xml(std::string_view value) {
   static constexpr std::pair<std::string_view, char> entities[] = {
       {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
+  constexpr std::size_t longest = 12;  // "&#0000065;"
   std::string text;
   while (!value.empty()) {
-    const std::size_t stop = value.find(';');
-    if (value[0] == '&' && stop != std::string_view::npos) {
+    const std::size_t plain = value.find('&');
+    text += value.substr(0, plain);
+    if (plain == std::string_view::npos) break;
+    value.remove_prefix(plain);
+    if (const std::size_t stop = value.substr(0, longest).find(';'); stop != std::string_view::npos) {
       const std::string_view name = value.substr(1, stop - 1);
       const auto* const known =
           std::find_if(std::begin(entities), std::end(entities), [&](const auto& e) { return e.first == name; });
@@ -81,7 +85,7 @@ std::string from_xml(std::string_view value) {
         continue;
       }
     }
-    text += value[0];
+    text += '&';
     value.remove_prefix(1);
   }
   return text;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "sansmesh/core/number_words.h"
@@ -45,6 +46,28 @@ std::string format_group(const std::string& file) {
   return format->id == FormatId::laz ? "LAS" : std::string(format->name);
 }
 
+/// The name without endings that only state how the points are packed: tile.las, tile.laz, tile.copc.laz, tile.las.gz.
+std::string unpacked_name(const std::string& file) {
+  fs::path name(file);
+  if (lower(name.extension().string()) == ".gz") name.replace_extension();
+  if (format_group(file) != "LAS") return name.string();
+  name.replace_extension();
+  if (lower(name.extension().string()) == ".copc") name.replace_extension();
+  return name.string();
+}
+
+/// Throws FileError if two files of a folder or pattern seem to be copies of the same points.
+void check_copies(const std::string& name, const std::vector<std::string>& files) {
+  std::map<std::string, const std::string*> known;
+  for (const std::string& file : files) {
+    const auto [other, is_new] = known.emplace(unpacked_name(file), &file);
+    if (is_new) continue;
+    throw FileError(name, fmt::format("has {} and {}, which seem to be the same points; a pattern or list selects one",
+                                      printable(fs::path(*other->second).filename().string(), 200),
+                                      printable(fs::path(file).filename().string(), 200)));
+  }
+}
+
 using FilesByFormat = std::map<std::string, std::vector<std::string>>;
 
 /// Clouds and meshes of a folder.
@@ -79,6 +102,7 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
   }
   std::vector<std::string>& files = by_format.begin()->second;
   std::sort(files.begin(), files.end());
+  check_copies(folder, files);
   return std::move(files);
 }
 
@@ -93,7 +117,18 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   ::globfree(&found);
   if (files.empty()) throw FileError(pattern, "no file matches the pattern");
   std::sort(files.begin(), files.end());
+  check_copies(pattern, files);
   return files;
+}
+
+/// Leaves out files that were named before, by whatever path.
+void drop_repeated(std::vector<std::string>& files) {
+  std::set<std::string> known;
+  std::erase_if(files, [&](const std::string& file) {
+    std::error_code error;
+    const fs::path path = fs::weakly_canonical(file, error);
+    return !known.insert(error ? file : path.string()).second;
+  });
 }
 
 std::string_view trimmed(std::string_view line) {
@@ -103,12 +138,31 @@ std::string_view trimmed(std::string_view line) {
 }
 
 /// A name in a list: beside the list, or from the current folder.
-std::string resolved(const std::string& list, std::string_view name) {
-  std::string beside = (fs::path(list).parent_path() / name).string();
-  std::string here(name);
-  if (does_exist(beside) || !does_exist(here)) return beside;
-  return here;
-}
+struct ListedName {
+  std::string path;
+  std::string pattern;  ///< empty if the name is that of a file or folder
+
+  ListedName(const std::string& list, std::string_view name) : path((fs::path(list).parent_path() / name).string()) {
+    const std::string here(name);
+    if (does_exist(path)) return;
+    if (does_exist(here)) {
+      path = here;
+    } else if (is_pattern(here)) {
+      // The name is a pattern, and the folder of the list is none.
+      pattern = fs::path(here).is_absolute() ? here : literal(path.substr(0, path.size() - here.size())) + here;
+    }
+  }
+
+ private:
+  static std::string literal(std::string_view name) {
+    std::string escaped;
+    for (const char c : name) {
+      if (std::string_view("*?[]\\").find(c) != std::string_view::npos) escaped += '\\';
+      escaped += c;
+    }
+    return escaped;
+  }
+};
 
 /// First line that is no comment; empty if the text is no list.
 std::string_view first_name(std::string_view text) {
@@ -133,8 +187,9 @@ bool is_list(const std::string& file) {
   start.resize(static_cast<std::size_t>(stream.gcount()));
   const std::string_view name = first_name(start);
   if (name.empty()) return false;
-  const std::string path = resolved(file, name);
-  return is_folder(path) || (does_exist(path) && is_read(path)) || (is_pattern(path) && is_read(path));
+  const ListedName listed(file, name);
+  if (!listed.pattern.empty()) return is_read(listed.path);
+  return is_folder(listed.path) || (does_exist(listed.path) && is_read(listed.path));
 }
 
 std::vector<std::string> files_of_list(const std::string& list) {
@@ -148,9 +203,10 @@ std::vector<std::string> files_of_list(const std::string& list) {
     if (name.empty() || name.front() == '#') continue;
     if (name.size() > kLongestLine || name.find('\0') != std::string_view::npos)
       throw FileError(list, fmt::format("line {} is no name of a file", grouped(number)));
-    const std::string path = resolved(list, name);
-    if (is_folder(path) || is_pattern(path)) {
-      const std::vector<std::string> more = is_folder(path) ? files_of_folder(path) : files_of_pattern(path);
+    const ListedName listed(list, name);
+    const std::string& path = listed.path;
+    if (is_folder(path) || !listed.pattern.empty()) {
+      const std::vector<std::string> more = is_folder(path) ? files_of_folder(path) : files_of_pattern(listed.pattern);
       files.insert(files.end(), more.begin(), more.end());
     } else if (!does_exist(path)) {
       throw FileError(list,
@@ -190,6 +246,7 @@ std::vector<std::string> list_cloud_files(const std::vector<std::string>& names)
       files = {name};
     all.insert(all.end(), std::make_move_iterator(files.begin()), std::make_move_iterator(files.end()));
   }
+  drop_repeated(all);
   return all;
 }
 

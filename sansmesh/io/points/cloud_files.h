@@ -14,7 +14,8 @@ namespace sansmesh::inline v1::io {
 /// - a list of files (ending .lst or .list; or .txt, if its first line names a file that exists): the files in its
 ///   order. Names are relative to the list's folder or, if there is none, to the current folder; lines that begin with
 ///   # are comments. Lines may be folders and patterns.
-/// Other names stay unchanged. Throws FileError if a name has no files.
+/// Other names stay unchanged. A file that is named several times, by any paths, is listed once. Throws FileError if a
+/// name has no files, or if a folder or pattern has copies of the same points (tile.las, tile.laz, tile.copc.laz).
 std::vector<std::string> list_cloud_files(const std::vector<std::string>& names);
 
 /// Whether a name is a folder with clouds or meshes.

@@ -109,23 +109,21 @@ std::optional<Box3> stated_box(const std::string& file) {
 /// The common reference system. Throws FileError if two files state different ones.
 SharedSystem join_systems(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
                           ReadReport& report) {
-  const auto states = [](const PointSet& part) { return part.reference != nullptr; };
-  const auto known = static_cast<std::size_t>(std::find_if(parts.begin(), parts.end(), states) - parts.begin());
-  if (known == parts.size()) return nullptr;
+  CommonSystem common;
   std::size_t unknown = 0, first_unknown = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (!parts[k].reference && unknown++ == 0) first_unknown = k;
-    if (!may_be_equal(parts[known].reference.get(), parts[k].reference.get()))
+    if (const auto* const other = common.add(files[k], parts[k].reference))
       throw FileError(files[k], "its reference system is " + system_words(*parts[k].reference) + ", and that of " +
-                                    printable(files[known], 200) + " is " + system_words(*parts[known].reference) +
+                                    printable(other->name, 200) + " is " + system_words(*other->system) +
                                     ": they cannot be read as one");
   }
-  if (unknown > 0)
+  SharedSystem system = common.system();
+  if (system && unknown > 0)
     report.warnings.push_back(printable(files[first_unknown], 200) +
                               (unknown > 1 ? " and " + grouped(unknown - 1) + " more state" : ": states") +
-                              " no reference system: that of the other files is assumed, " +
-                              system_words(*parts[known].reference));
-  return parts[known].reference;
+                              " no reference system: that of the other files is assumed, " + system_words(*system));
+  return system;
 }
 
 }  // namespace
