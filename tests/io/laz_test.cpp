@@ -4,6 +4,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/io/laz/layered_chunk.h"
 #include "sansmesh/io/laz/pointwise_chunk.h"
+#include "sansmesh/io/laz/read_laz.h"
 #include "sansmesh/threads.h"
 #include "support/places.h"
 
@@ -190,6 +191,18 @@ TEST(Laz, BoxesSelectWhileReading) {
       });
     }
   }
+}
+
+/// A box does not lift the limit on the sum of all chunks.
+TEST(Laz, ChunksAreLimitedTogether) {
+  const std::string name = "a.laz", bytes(100000, '\0');
+  ReadReport report;
+  const io::Input in{name, bytes, report, {}, 0, {.box = Box3{{0, 0, 0}, {1, 1, 1}}}};
+  io::LasHeader header;
+  header.format = 0, header.record = 20, header.scale = {1, 1, 1};
+  const std::vector<Chunk> chunks(6, Chunk{0, 20000, 20000000});
+  expect_file_error(name, "60,000,000 points cannot be in 100,000 bytes",
+                    [&] { read_chunks(in, header, laz_layout(0, 20), chunks); });
 }
 
 /// Files of other programs; the pairs have the same points.
