@@ -2,6 +2,8 @@
 #include "laz_test_tools.h"
 #include "oracle.h"
 #include "sansmesh/box.h"
+#include "sansmesh/io/laz/chunk_table.h"
+#include "sansmesh/io/laz/integer_model.h"
 #include "sansmesh/io/laz/layered_chunk.h"
 #include "sansmesh/io/laz/pointwise_chunk.h"
 #include "sansmesh/io/laz/read_laz.h"
@@ -103,6 +105,32 @@ TEST(Laz, ChunkTables) {
     expect_same_cloud(read_points(folder.put("cut.laz", cut), &report), expected);
     EXPECT_EQ(report.warnings, std::vector<std::string>{"its writer was interrupted before it wrote the chunk table"});
   }
+}
+
+/// Chunks of any size may be empty: those after them begin behind their bytes.
+TEST(Laz, EmptyChunks) {
+  constexpr std::int32_t entries[][2] = {{10, 100}, {0, 50}, {0, 0}, {5, 200}};  // points, bytes
+  ArithmeticEncoder encoder;
+  const auto model = std::make_unique<IntegerModel<32, 2>>();
+  std::int32_t points = 0, bytes = 0;
+  for (const auto& entry : entries) {
+    points = model->code(encoder, points, entry[0], 0);
+    bytes = model->code(encoder, bytes, entry[1], 1);
+  }
+  const std::string file = raw(std::int64_t{358}) + std::string(350, '\0') + raw(std::uint32_t{0}) +
+                           raw(std::uint32_t{4}) + encoder.finish();
+  const std::string name = "a.laz";
+  ReadReport report;
+  io::LasHeader header;
+  header.count = 15, header.record = 20;
+  LazLayout layout = laz_layout(0, 20);
+  layout.chunk_points = kVariableChunks;
+  const std::vector<Chunk> chunks = read_chunk_table({name, file, report}, header, layout).chunks;
+  ASSERT_EQ(chunks.size(), 2u);
+  EXPECT_EQ(chunks[0].begin, 8u);
+  EXPECT_EQ(chunks[1].begin, 158u);
+  EXPECT_EQ(chunks[1].bytes, 200u);
+  EXPECT_EQ(chunks[1].points, 5u);
 }
 
 /// The oldest files have one chunk for all points and no table.
