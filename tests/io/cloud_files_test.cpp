@@ -53,6 +53,20 @@ TEST(CloudFiles, FoldersPatternsAndListsAreSorted) {
   EXPECT_EQ(io::list_cloud_files({table, "absent.las"}), (std::vector<std::string>{table, "absent.las"}));
 }
 
+/// Only the names of a list are patterns, not its folder.
+TEST(CloudFiles, ListsInFoldersWithBrackets) {
+  const Tiles t;
+  const std::string run = t.folder / "run[2]*\\";
+  std::filesystem::create_directory(t.folder / "run2");
+  std::filesystem::copy(t.names[0], t.folder / "run2/a.las");
+  std::filesystem::create_directory(run);
+  std::filesystem::copy(t.names[1], run + "/b.las");
+  const std::string list = t.folder.put("run[2]*\\/tiles.lst", "*.las\n");
+  EXPECT_EQ(io::list_cloud_files({list}), std::vector{run + "/b.las"});
+  const std::string bad = t.folder.put("run[2]*\\/bad.lst", "c.las\n");
+  expect_file_error(bad, "which does not exist", [&] { io::list_cloud_files({bad}); });
+}
+
 TEST(CloudFiles, TilesGiveTheCloudOfTheMergedFile) {
   for (const char* ending : {".las", ".ply", ".xyz"}) {
     SCOPED_TRACE(ending);

@@ -63,6 +63,18 @@ FilesByFormat clouds_in(const std::string& folder) {
   return by_format;
 }
 
+bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos && !does_exist(name); }
+
+/// The pattern that matches the name alone.
+std::string pattern_of(std::string_view name) {
+  std::string pattern;
+  for (const char c : name) {
+    if (std::string_view("*?[\\").find(c) != std::string_view::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
 std::vector<std::string> files_of_folder(const std::string& folder) {
   FilesByFormat by_format = clouds_in(folder);
   if (by_format.empty())
@@ -75,14 +87,12 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
       if (!most || files.size() > most->size()) most = &files;
     }
     throw FileError(folder, fmt::format("is a folder with files of several formats ({}); a pattern selects some: '{}'",
-                                        held, (fs::path(folder) / ("*." + ending((*most)[0]))).string()));
+                                        held, (fs::path(pattern_of(folder)) / ("*." + ending((*most)[0]))).string()));
   }
   std::vector<std::string>& files = by_format.begin()->second;
   std::sort(files.begin(), files.end());
   return std::move(files);
 }
-
-bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos && !does_exist(name); }
 
 std::vector<std::string> files_of_pattern(const std::string& pattern) {
   glob_t found = {};
@@ -102,12 +112,20 @@ std::string_view trimmed(std::string_view line) {
   return line;
 }
 
+/// A file, folder or pattern of a list.
+struct Listed {
+  std::string path;
+  bool is_pattern = false;
+};
+
 /// A name in a list: beside the list, or from the current folder.
-std::string resolved(const std::string& list, std::string_view name) {
-  std::string beside = (fs::path(list).parent_path() / name).string();
-  std::string here(name);
-  if (does_exist(beside) || !does_exist(here)) return beside;
-  return here;
+Listed resolved(const std::string& list, std::string_view name) {
+  const fs::path folder = fs::path(list).parent_path();
+  const std::string beside = (folder / name).string(), here(name);
+  if (does_exist(beside)) return {beside};
+  if (does_exist(here)) return {here};
+  if (is_pattern(here)) return {(fs::path(pattern_of(folder.string())) / name).string(), true};
+  return {beside};
 }
 
 /// First line that is no comment; empty if the text is no list.
@@ -133,8 +151,8 @@ bool is_list(const std::string& file) {
   start.resize(static_cast<std::size_t>(stream.gcount()));
   const std::string_view name = first_name(start);
   if (name.empty()) return false;
-  const std::string path = resolved(file, name);
-  return is_folder(path) || (does_exist(path) && is_read(path)) || (is_pattern(path) && is_read(path));
+  const Listed listed = resolved(file, name);
+  return is_folder(listed.path) || ((listed.is_pattern || does_exist(listed.path)) && is_read(listed.path));
 }
 
 std::vector<std::string> files_of_list(const std::string& list) {
@@ -148,8 +166,8 @@ std::vector<std::string> files_of_list(const std::string& list) {
     if (name.empty() || name.front() == '#') continue;
     if (name.size() > kLongestLine || name.find('\0') != std::string_view::npos)
       throw FileError(list, fmt::format("line {} is no name of a file", grouped(number)));
-    const std::string path = resolved(list, name);
-    if (is_folder(path) || is_pattern(path)) {
+    const auto& [path, is_glob] = resolved(list, name);
+    if (is_folder(path) || is_glob) {
       const std::vector<std::string> more = is_folder(path) ? files_of_folder(path) : files_of_pattern(path);
       files.insert(files.end(), more.begin(), more.end());
     } else if (!does_exist(path)) {
