@@ -177,7 +177,7 @@ PointSet read_merged(const std::vector<std::string>& names, ReadReport* report, 
   const std::vector<std::string> files = io::list_cloud_files(names);
   if (files.size() == 1) return read_points(files[0], report, options);
   check_options(options);
-  PartsOfFiles read = read_parts(files, io::stated_origin(files), options);
+  PartsOfFiles read = read_parts(files, io::stated_origin(files, options.box), options);
   // The origin of the whole cloud is known only now, unless the files' headers state their boxes.
   if (const Vec3 origin = io::common_origin(read.parts); origin != read.parts[0].origin) {
     read = {};

@@ -2,6 +2,8 @@
 #include "sansmesh/io/points/cloud_files.h"
 
 #include "io_test_tools.h"
+#include "sansmesh/box.h"
+#include "sansmesh/io/points/merge_points.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -82,6 +84,17 @@ TEST(CloudFiles, TilesGiveTheCloudOfTheMergedFile) {
     EXPECT_EQ(one.origin, many.origin);
     EXPECT_EQ(one.positions, many.positions);
   }
+}
+
+/// The headers and the box give the origin, so that the files are read once.
+TEST(CloudFiles, OriginOfSelectedPointsIsKnownBefore) {
+  const Tiles t;
+  const Box3 box{{600100, 4000100, 100}, {600500, 4000500, 500}};
+  const PointSet some = read_merged({t.folder / "tiles"}, nullptr, {.box = box});
+  EXPECT_GT(some.size(), 100u);
+  EXPECT_EQ(io::stated_origin(t.names, box), some.origin);
+  EXPECT_NE(io::stated_origin(t.names), some.origin);
+  EXPECT_EQ(io::stated_origin(t.names, Box3{{0, 0, 0}, {1, 1, 1}}), std::nullopt);
 }
 
 TEST(CloudFiles, NamesWithoutFilesAreErrors) {

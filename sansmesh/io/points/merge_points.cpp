@@ -130,12 +130,16 @@ SharedSystem join_systems(const std::vector<std::string>& files, const std::vect
 
 }  // namespace
 
-std::optional<Vec3> stated_origin(const std::vector<std::string>& files) {
+std::optional<Vec3> stated_origin(const std::vector<std::string>& files, const std::optional<Box3>& selected) {
   Box3 all;
   for (const std::string& file : files) {
     const std::optional<Box3> box = stated_box(file);
     if (!box) return std::nullopt;
-    all.extend(box->lower), all.extend(box->upper);
+    for (std::size_t k = 0; selected && k < 3; ++k) {
+      box->lower[k] = std::max(box->lower[k], selected->lower[k]);
+      box->upper[k] = std::min(box->upper[k], selected->upper[k]);
+    }
+    all.extend(*box);
   }
   return choose_origin(all);
 }
