@@ -220,9 +220,12 @@ std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem*
   std::string described = describe_extras(l.extras);
   const std::vector<std::string> system =
       reference ? las_reference_records(*reference, l.wide) : std::vector<std::string>();
-  for (const std::string& record : system) described += record;
-  // The wide formats require the bit for WKT, unless only GeoTIFF keys are known.
-  const bool is_wkt = l.wide && (!reference || system.empty() || !wkt_of(*reference).empty());
+  // The wide formats require the bit for WKT, unless there are only GeoTIFF keys.
+  bool is_wkt = l.wide && system.empty();
+  for (const std::string& record : system) {
+    described += record;
+    is_wkt |= l.wide && load<std::uint16_t>(record.data() + 18) == kWktRecord;
+  }
   header.replace(0, 4, "LASF");
   header[24] = 1, header[25] = l.wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
