@@ -62,7 +62,7 @@ void keep_box(PointSet& points, const Box3& box) {
   remove_samples(points, outside);
 }
 
-/// Empty if no point is in the box of the options.
+/// Empty if the options select no point.
 PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin,
                   double smallest_extent, const ReadOptions& options = {}) {
   const io::FileContent content(file);
@@ -98,9 +98,14 @@ void check_options(const ReadOptions& options) {
     throw ArgumentError("the resolution of points to read must be greater than 0");
 }
 
-[[noreturn]] void fail_empty_box(const std::string& file, const Box3& box) {
-  throw FileError(file,
-                  "holds no points in the box from " + point_words(box.lower, 9) + " to " + point_words(box.upper, 9));
+bool is_selective(const ReadOptions& options) { return options.box || options.resolution; }
+
+[[noreturn]] void fail_unselected(const std::string& file, const ReadOptions& options) {
+  std::string cause = "holds no points";
+  if (options.box)
+    cause += " in the box from " + point_words(options.box->lower, 9) + " to " + point_words(options.box->upper, 9);
+  if (options.resolution) cause += " at the requested resolution";
+  throw FileError(file, cause);
 }
 
 }  // namespace
@@ -113,7 +118,7 @@ PointSet read_points(const std::string& file, ReadReport* report, const ReadOpti
   ReadReport& r = report ? *report : own;
   r = {};
   PointSet points = read_any(file, r, {}, kSmallestExtent, options);
-  if (points.size() == 0 && options.box) fail_empty_box(file, *options.box);
+  if (points.size() == 0 && is_selective(options)) fail_unselected(file, options);
   return points;
 }
 
@@ -132,7 +137,7 @@ PolylineSet read_lines(const std::string& file) {
 
 namespace {
 
-/// Clouds of several files about one origin, without those that have no points in the box.
+/// Clouds of several files about one origin, without those of which the options select no point.
 struct PartsOfFiles {
   std::vector<PointSet> parts;
   std::vector<std::string> files;
@@ -145,7 +150,7 @@ PartsOfFiles read_parts(const std::vector<std::string>& files, std::optional<Vec
   for (const std::string& file : files) {
     ReadReport of_file;
     PointSet part = read_any(file, of_file, origin, kSmallestExtent, options);
-    if (part.size() == 0 && options.box) continue;
+    if (part.size() == 0 && is_selective(options)) continue;
     if (!origin) origin = part.origin;
     read.parts.push_back(std::move(part)), read.files.push_back(file);
     const PointSet &first = read.parts[0], &last = read.parts.back();
@@ -160,7 +165,7 @@ PartsOfFiles read_parts(const std::vector<std::string>& files, std::optional<Vec
       if (std::find(all.unread.begin(), all.unread.end(), what) == all.unread.end()) all.unread.push_back(what);
     if (formats.find(of_file.format) == std::string::npos) formats += (formats.empty() ? "" : ", ") + of_file.format;
   }
-  if (read.parts.empty()) fail_empty_box(files[0] + " and the other files", *options.box);
+  if (read.parts.empty()) fail_unselected(files[0] + " and the other files", options);
   read.report.format = fmt::format("{} files, {}", read.files.size(), formats);
   return read;
 }
@@ -172,7 +177,7 @@ PointSet read_merged(const std::vector<std::string>& names, ReadReport* report, 
   const std::vector<std::string> files = io::list_cloud_files(names);
   if (files.size() == 1) return read_points(files[0], report, options);
   check_options(options);
-  PartsOfFiles read = read_parts(files, io::stated_origin(files), options);
+  PartsOfFiles read = read_parts(files, io::stated_origin(files, options.box), options);
   // The origin of the whole cloud is known only now, unless the files' headers state their boxes.
   if (const Vec3 origin = io::common_origin(read.parts); origin != read.parts[0].origin) {
     read = {};

@@ -2,6 +2,8 @@
 #include "sansmesh/io/points/cloud_files.h"
 
 #include "io_test_tools.h"
+#include "sansmesh/box.h"
+#include "sansmesh/io/points/merge_points.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -53,6 +55,20 @@ TEST(CloudFiles, FoldersPatternsAndListsAreSorted) {
   EXPECT_EQ(io::list_cloud_files({table, "absent.las"}), (std::vector<std::string>{table, "absent.las"}));
 }
 
+/// Only the names of a list are patterns, not its folder.
+TEST(CloudFiles, ListsInFoldersWithBrackets) {
+  const Tiles t;
+  const std::string run = t.folder / "run[2]*\\";
+  std::filesystem::create_directory(t.folder / "run2");
+  std::filesystem::copy(t.names[0], t.folder / "run2/a.las");
+  std::filesystem::create_directory(run);
+  std::filesystem::copy(t.names[1], run + "/b.las");
+  const std::string list = t.folder.put("run[2]*\\/tiles.lst", "*.las\n");
+  EXPECT_EQ(io::list_cloud_files({list}), std::vector{run + "/b.las"});
+  const std::string bad = t.folder.put("run[2]*\\/bad.lst", "c.las\n");
+  expect_file_error(bad, "which does not exist", [&] { io::list_cloud_files({bad}); });
+}
+
 TEST(CloudFiles, TilesGiveTheCloudOfTheMergedFile) {
   for (const char* ending : {".las", ".ply", ".xyz"}) {
     SCOPED_TRACE(ending);
@@ -98,6 +114,17 @@ TEST(CloudFiles, NoPointIsReadTwice) {
                         [&] { io::list_cloud_files({t.folder / name}); });
     std::filesystem::remove(made);
   }
+}
+
+/// The headers and the box give the origin, so that the files are read once.
+TEST(CloudFiles, OriginOfSelectedPointsIsKnownBefore) {
+  const Tiles t;
+  const Box3 box{{600100, 4000100, 100}, {600500, 4000500, 500}};
+  const PointSet some = read_merged({t.folder / "tiles"}, nullptr, {.box = box});
+  EXPECT_GT(some.size(), 100u);
+  EXPECT_EQ(io::stated_origin(t.names, box), some.origin);
+  EXPECT_NE(io::stated_origin(t.names), some.origin);
+  EXPECT_EQ(io::stated_origin(t.names, Box3{{0, 0, 0}, {1, 1, 1}}), std::nullopt);
 }
 
 TEST(CloudFiles, NamesWithoutFilesAreErrors) {

@@ -87,6 +87,21 @@ TEST(Copc, OnlyNeededNodesAreRead) {
   expect_unreadable(name, "damaged");
 }
 
+/// The upper levels may be empty: such a tile takes nothing from the others.
+TEST(Copc, LevelsWithoutPoints) {
+  const Folder folder;
+  std::string bytes = slurp(source_file(kFile));
+  const std::size_t root = load_number<std::uint64_t>(bytes, 375 + 54 + 40);
+  bytes.replace(root + 28, 4, raw(std::int32_t{0}));
+  const std::string empty = folder.put("a.copc.laz", bytes);
+  const ReadOptions coarse{.resolution = 1e6};
+  expect_file_error(empty, "holds no points at the requested resolution", [&] { read_points(empty, nullptr, coarse); });
+  const PointSet merged = read_merged({empty, source_file(kFile)}, nullptr, coarse);
+  EXPECT_EQ(merged.size(), 24u);
+  EXPECT_TRUE(merged.has_colors());
+  EXPECT_THROW(read_merged({empty, empty}, nullptr, coarse), FileError);
+}
+
 TEST(Copc, BadHierarchies) {
   const Folder folder;
   const std::string good = slurp(source_file(kFile));

@@ -1,4 +1,5 @@
 // Attributes of points in LAS files, for each point format.
+#include "compress_las.h"
 #include "io_test_tools.h"
 #include "support/las_file.h"
 #include "support/places.h"
@@ -198,6 +199,42 @@ TEST(Las, WithheldPointsAreLeftOutAndCounted) {
     for (LasPoint& q : file.points) q.withheld = true;
     expect_unreadable(folder.put("a.las", file.bytes()), "all 3,000 are flagged as withheld");
   }
+}
+
+/// Withheld points in a box are like none: other tiles may have points there.
+TEST(Las, BoxesOfWithheldPointsAreEmpty) {
+  const Folder folder;
+  LasFile file{.format = 6};
+  for (int i = 0; i < 30; ++i) file.points.push_back({.x = 1000 * i, .z = i % 2, .withheld = i < 10});
+  const std::string a = folder.put("a.las", file.bytes());
+  for (LasPoint& p : file.points) p.withheld = false;
+  const std::string b = folder.put("b.las", file.bytes());
+  const ReadOptions box{.box = Box3{{-1, -1, -1}, {8.5, 1, 1}}};
+  expect_file_error(a, "holds no points in the box", [&] { read_points(a, nullptr, box); });
+  EXPECT_EQ(read_merged({a, b}, nullptr, box).size(), 9u);
+}
+
+/// The depth of colours does not depend on the selected points.
+TEST(Las, DarkPointsInBoxesHaveTheColoursOfTheFile) {
+  const Folder folder;
+  LasFile file{.format = 2};
+  for (int i = 0; i < 30; ++i) {
+    const auto c = static_cast<std::uint16_t>(i < 10 ? 20 * i : 2001 * i);
+    file.points.push_back({.x = 1000 * i, .z = i % 2, .rgb = {c, c, c}});
+  }
+  const ReadOptions box{.box = Box3{{-1, -1, -1}, {8.5, 1, 1}}};
+  const std::string plain = folder.put("a.las", file.bytes());
+  const PointSet whole = read_points(plain);
+  ReadReport report;
+  const PointSet some = read_points(plain, &report, box);
+  ASSERT_EQ(some.size(), 9u);
+  ASSERT_EQ(some.colors.size(), 9u);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(some.colors[i], whole.colors[i]);
+  EXPECT_TRUE(report.warnings.empty());
+  // Of compressed files only the selected points are at hand.
+  read_points(folder.put("a.laz", compress_las(file.bytes())), &report, box);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("are at most 255 and were read as 8-bit colours"), std::string::npos);
 }
 
 /// LAS 1.4 has two counts: in 32 bits as before (0 if the format is new or the number too large), and in 64.

@@ -2,8 +2,11 @@
 #include "laz_test_tools.h"
 #include "oracle.h"
 #include "sansmesh/box.h"
+#include "sansmesh/io/laz/chunk_table.h"
+#include "sansmesh/io/laz/integer_model.h"
 #include "sansmesh/io/laz/layered_chunk.h"
 #include "sansmesh/io/laz/pointwise_chunk.h"
+#include "sansmesh/io/laz/read_laz.h"
 #include "sansmesh/threads.h"
 #include "support/places.h"
 
@@ -104,6 +107,32 @@ TEST(Laz, ChunkTables) {
   }
 }
 
+/// Chunks of any size may be empty: those after them begin behind their bytes.
+TEST(Laz, EmptyChunks) {
+  constexpr std::int32_t entries[][2] = {{10, 100}, {0, 50}, {0, 0}, {5, 200}};  // points, bytes
+  ArithmeticEncoder encoder;
+  const auto model = std::make_unique<IntegerModel<32, 2>>();
+  std::int32_t points = 0, bytes = 0;
+  for (const auto& entry : entries) {
+    points = model->code(encoder, points, entry[0], 0);
+    bytes = model->code(encoder, bytes, entry[1], 1);
+  }
+  const std::string file = raw(std::int64_t{358}) + std::string(350, '\0') + raw(std::uint32_t{0}) +
+                           raw(std::uint32_t{4}) + encoder.finish();
+  const std::string name = "a.laz";
+  ReadReport report;
+  io::LasHeader header;
+  header.count = 15, header.record = 20;
+  LazLayout layout = laz_layout(0, 20);
+  layout.chunk_points = kVariableChunks;
+  const std::vector<Chunk> chunks = read_chunk_table({name, file, report}, header, layout).chunks;
+  ASSERT_EQ(chunks.size(), 2u);
+  EXPECT_EQ(chunks[0].begin, 8u);
+  EXPECT_EQ(chunks[1].begin, 158u);
+  EXPECT_EQ(chunks[1].bytes, 200u);
+  EXPECT_EQ(chunks[1].points, 5u);
+}
+
 /// The oldest files have one chunk for all points and no table.
 TEST(Laz, OneChunk) {
   const Folder folder;
@@ -190,6 +219,18 @@ TEST(Laz, BoxesSelectWhileReading) {
       });
     }
   }
+}
+
+/// A box does not lift the limit on the sum of all chunks.
+TEST(Laz, ChunksAreLimitedTogether) {
+  const std::string name = "a.laz", bytes(100000, '\0');
+  ReadReport report;
+  const io::Input in{name, bytes, report, {}, 0, {.box = Box3{{0, 0, 0}, {1, 1, 1}}}};
+  io::LasHeader header;
+  header.format = 0, header.record = 20, header.scale = {1, 1, 1};
+  const std::vector<Chunk> chunks(6, Chunk{0, 20000, 20000000});
+  expect_file_error(name, "60,000,000 points cannot be in 100,000 bytes",
+                    [&] { read_chunks(in, header, laz_layout(0, 20), chunks); });
 }
 
 /// Files of other programs; the pairs have the same points.

@@ -68,6 +68,21 @@ TEST(Reference, LasKeepsKeysAndCodes) {
   EXPECT_EQ(again.reference->vertical_code, 5728);
 }
 
+/// WKT too long for a record is left out: the header must not promise it.
+TEST(Reference, LasWithoutRoomForWktHasKeys) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  points.attributes.set("classification", std::vector<std::uint8_t>(points.size(), 100));  // LAS 1.4
+  ReferenceSystem system = *system_of_text("EPSG:2056");
+  for (const std::size_t length : {std::size_t{10}, std::size_t{70000}}) {
+    system.wkt = R"(PROJCS[")" + std::string(length, 'a') + R"(",UNIT["metre",1]])";
+    points.reference = std::make_shared<ReferenceSystem>(system);
+    write_points(folder / "a.las", points);
+    EXPECT_EQ(slurp(folder / "a.las")[6] & 16, length == 10 ? 16 : 0);
+  }
+  EXPECT_EQ(read_points(folder / "a.las").reference->code, 2056);
+}
+
 TEST(Reference, DifferentSystemsAreNotReadAsOne) {
   const Folder folder;
   PointSet points = made_points(8);

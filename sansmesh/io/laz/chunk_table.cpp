@@ -45,11 +45,11 @@ std::vector<Chunk> decode_table(const Input& in, const LasHeader& header, const 
     const std::size_t length = static_cast<std::uint32_t>(bytes);
     const std::size_t of_chunk =
         layout.chunk_points == kVariableChunks ? static_cast<std::uint32_t>(points) : layout.chunk_points;
-    if (decoder.damaged() || length < layout.record || length > table - at)
+    const std::size_t least = of_chunk > 0 ? layout.record : 0;
+    if (decoder.damaged() || length < least || length > table - at)
       in.fail("malformed LAZ file: its chunk table is damaged");
-    if (of_chunk == 0) continue;
     const std::uint64_t used = std::min<std::uint64_t>(left, of_chunk);
-    chunks.push_back({at, length, static_cast<std::size_t>(used)});
+    if (used > 0) chunks.push_back({at, length, static_cast<std::size_t>(used)});
     at += length, left -= used;
   }
   if (left > 0)

@@ -65,7 +65,7 @@ class FirstPointModel {
   IntegerModel<32, 20> dy_, z_;
   IntegerModel<16> intensity_, source_;
   IntegerModel<8, 2> angle_;
-  std::array<SymbolModel<256>, 256> returns_, classification_, user_data_;
+  SparseModels<256, 256> returns_, classification_, user_data_;
 };
 
 /// Times: multiples of the last difference, or whole times.

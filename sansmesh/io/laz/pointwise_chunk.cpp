@@ -80,7 +80,7 @@ class Point10Model {
   IntegerModel<32, 2> dx_;
   IntegerModel<32, 22> dy_;
   IntegerModel<32, 20> z_;
-  std::array<SymbolModel<256>, 256> returns_, classification_, user_data_;
+  SparseModels<256, 256> returns_, classification_, user_data_;
 };
 
 /// Extra bytes, each with a model of its difference to the last one.
@@ -117,6 +117,7 @@ struct FirstModels {
 /// Codes all points but the first, whose record is stored.
 template <class Models, class Coder, class Bytes>
 void code_points(Coder& coder, const LazLayout& l, Bytes* records, std::size_t count) {
+  if (count == 1) return;
   const auto models = std::make_unique<Models>();
   typename Models::Bytes extra(l.extra_bytes);
   models->point.start(load<Point10>(records));

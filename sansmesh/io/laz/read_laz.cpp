@@ -94,7 +94,11 @@ RecordBuffer read_sequence(const Input& in, const LasHeader& header, const LazLa
 
 RecordBuffer read_chunks(const Input& in, const LasHeader& header, const LazLayout& layout,
                          const std::vector<Chunk>& chunks) {
-  for (const Chunk& chunk : chunks) check_size(in, chunk.points, layout.record);
+  std::vector<std::size_t> first(chunks.size() + 1);
+  for (std::size_t k = 0; k < chunks.size(); ++k) {
+    first[k + 1] = first[k] + chunks[k].points;
+    check_size(in, first[k + 1], layout.record);
+  }
   std::vector<std::uint8_t> damaged(chunks.size());
   const auto bytes_of = [&](const Chunk& chunk) { return in.bytes.substr(chunk.begin, chunk.bytes); };
   if (in.options.box) {
@@ -105,9 +109,7 @@ RecordBuffer read_chunks(const Input& in, const LasHeader& header, const LazLayo
     check_chunks(in, damaged);
     return joined(kept);
   }
-  std::vector<std::size_t> first(chunks.size() + 1);
-  for (std::size_t k = 0; k < chunks.size(); ++k) first[k + 1] = first[k] + chunks[k].points;
-  RecordBuffer records = buffer_of(in, first.back(), layout.record);
+  RecordBuffer records(first.back() * layout.record);
   parallel_for(0, chunks.size(), 1, [&](std::size_t k) {
     char* const out = records.bytes.get() + first[k] * layout.record;
     damaged[k] = decode_chunk(layout, bytes_of(chunks[k]), chunks[k].points, out) == 0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <memory>
 #include <type_traits>
 
 namespace sansmesh::inline v1::io::laz {
@@ -114,6 +115,20 @@ class SymbolModel {
   std::array<std::uint16_t, N + 1> below_;
   /// The symbol at the first place of each stretch of 2^kTableShift places, and one stretch more for rounding.
   std::array<Entry, kTable ? (1u << kTableBits) + 1 : 0> table_;
+};
+
+/// Models of many contexts, each of which is created at its first use: chunks of few points use few of them.
+template <unsigned N, unsigned Contexts>
+class SparseModels {
+ public:
+  SymbolModel<N>& operator[](unsigned context) {
+    std::unique_ptr<SymbolModel<N>>& model = models_[context];
+    if (!model) model = std::make_unique<SymbolModel<N>>();
+    return *model;
+  }
+
+ private:
+  std::array<std::unique_ptr<SymbolModel<N>>, Contexts> models_;
 };
 
 }  // namespace sansmesh::inline v1::io::laz

@@ -86,6 +86,18 @@ FilesByFormat clouds_in(const std::string& folder) {
   return by_format;
 }
 
+bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos && !does_exist(name); }
+
+/// The pattern that matches the name alone.
+std::string pattern_of(std::string_view name) {
+  std::string pattern;
+  for (const char c : name) {
+    if (std::string_view("*?[\\").find(c) != std::string_view::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
 std::vector<std::string> files_of_folder(const std::string& folder) {
   FilesByFormat by_format = clouds_in(folder);
   if (by_format.empty())
@@ -98,15 +110,13 @@ std::vector<std::string> files_of_folder(const std::string& folder) {
       if (!most || files.size() > most->size()) most = &files;
     }
     throw FileError(folder, fmt::format("is a folder with files of several formats ({}); a pattern selects some: '{}'",
-                                        held, (fs::path(folder) / ("*." + ending((*most)[0]))).string()));
+                                        held, (fs::path(pattern_of(folder)) / ("*." + ending((*most)[0]))).string()));
   }
   std::vector<std::string>& files = by_format.begin()->second;
   std::sort(files.begin(), files.end());
   check_copies(folder, files);
   return std::move(files);
 }
-
-bool is_pattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos && !does_exist(name); }
 
 std::vector<std::string> files_of_pattern(const std::string& pattern) {
   glob_t found = {};
@@ -149,18 +159,8 @@ struct ListedName {
       path = here;
     } else if (is_pattern(here)) {
       // The name is a pattern, and the folder of the list is none.
-      pattern = fs::path(here).is_absolute() ? here : literal(path.substr(0, path.size() - here.size())) + here;
+      pattern = fs::path(here).is_absolute() ? here : pattern_of(path.substr(0, path.size() - here.size())) + here;
     }
-  }
-
- private:
-  static std::string literal(std::string_view name) {
-    std::string escaped;
-    for (const char c : name) {
-      if (std::string_view("*?[]\\").find(c) != std::string_view::npos) escaped += '\\';
-      escaped += c;
-    }
-    return escaped;
   }
 };
 

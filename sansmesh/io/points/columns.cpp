@@ -203,8 +203,8 @@ void decode_columns(const Input& in, const CloudColumns& columns, std::size_t n,
     const NumberType type = columns.color[0].type;
     points.colors.resize(n);
     with_triples<NumberType::u8, NumberType::u16, NumberType::f32>(columns.color, [&](auto at) {
-      double factor = 1;
-      if (type != NumberType::u8) {
+      double factor = columns.wide_colors ? color_scale(65535, false) : 1;
+      if (type != NumberType::u8 && !columns.wide_colors) {
         const double largest = parallel_reduce(
             n, 1 << 16, 0.0,
             [&](std::size_t first, std::size_t last) {

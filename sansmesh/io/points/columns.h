@@ -13,6 +13,7 @@ struct CloudColumns {
   Column normal[3];
   Column color[3];
   bool whole_colors = false;  ///< real colour columns hold whole numbers: 1 is nearly black, not full
+  bool wide_colors = false;   ///< colours have 16 bits even if none exceeds 255
 
   bool has_normals() const { return normal[0] && normal[1] && normal[2]; }
   bool has_colors() const { return color[0] && color[1] && color[2]; }

@@ -58,11 +58,20 @@ const LasVlr* LasHeader::find(std::string_view user, std::uint16_t id) const {
   return nullptr;
 }
 
+Box3 load_las_box(const char* header) {
+  Box3 box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.upper[k] = load<double>(header + 179 + 16 * k);
+    box.lower[k] = load<double>(header + 187 + 16 * k);
+  }
+  return box;
+}
+
 LasHeader read_las_header(const Input& in) {
   const char* const data = in.bytes.data();
   const std::size_t size = in.bytes.size();
   if (!in.bytes.starts_with("LASF")) in.fail("is not a LAS file (does not begin with 'LASF')");
-  if (size < 227) in.fail_truncated(227 - size, true);
+  if (size < kLasHeaderBytes) in.fail_truncated(kLasHeaderBytes - size, true);
   const unsigned major = load<std::uint8_t>(data + 24);
   LasHeader h;
   h.minor = load<std::uint8_t>(data + 25);
@@ -84,7 +93,7 @@ LasHeader read_las_header(const Input& in) {
     const std::uint64_t wide = load<std::uint64_t>(data + 247);
     if (wide > 0) h.count = wide;
   }
-  if (h.record < kLasRecordBytes[h.format] || h.begin < 227)
+  if (h.record < kLasRecordBytes[h.format] || h.begin < kLasHeaderBytes)
     in.fail(fmt::format("malformed {} header: records of {} bytes for point format {}", name, h.record, h.format));
   if (h.count == 0) in.fail("holds no points");
   if (h.begin > size) in.fail_short(h.begin, size, true);
@@ -94,9 +103,8 @@ LasHeader read_las_header(const Input& in) {
   for (std::size_t k = 0; k < 3; ++k) {
     h.scale[k] = load<double>(data + 131 + 8 * k);
     h.offset[k] = load<double>(data + 155 + 8 * k);
-    h.box.upper[k] = load<double>(data + 179 + 16 * k);
-    h.box.lower[k] = load<double>(data + 187 + 16 * k);
   }
+  h.box = load_las_box(data);
   if (!is_finite(h.scale) || !is_finite(h.offset) || h.scale.x == 0 || h.scale.y == 0 || h.scale.z == 0)
     in.fail(fmt::format("malformed {} header: scale or offset is zero or not finite", name));
   read_vlrs(in.bytes, h);

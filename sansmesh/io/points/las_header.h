@@ -44,6 +44,12 @@ struct LasHeader {
   const LasVlr* find(std::string_view user, std::uint16_t id) const;
 };
 
+/// Bytes of the header of all versions.
+inline constexpr std::size_t kLasHeaderBytes = 227;
+
+/// The box that a header of at least kLasHeaderBytes states, unchecked.
+Box3 load_las_box(const char* header);
+
 /// Throws FileError if the file is not LAS or LAZ, its header contradicts itself, or it holds no points. Damage ends
 /// the list of records: the points do not depend on it. `in` must outlive the header.
 LasHeader read_las_header(const Input& in);

@@ -154,6 +154,7 @@ void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_
 
 /// Interpretation of 16-bit colours.
 enum class ColorDepth {
+  none,        ///< all are 0: many writers choose a format with colours and leave them empty
   bytes,       ///< at most 255, as some writers store them
   high_bytes,  ///< bytes times 256 or 257: the upper byte is the value
   words,
@@ -180,7 +181,7 @@ ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
         a.low |= b.low, a.uneven |= b.uneven, a.beyond |= b.beyond;
         return a;
       });
-  if (!seen.beyond) return ColorDepth::bytes;
+  if (!seen.beyond) return seen.low == 0 ? ColorDepth::none : ColorDepth::bytes;
   return seen.low == 0 || !seen.uneven ? ColorDepth::high_bytes : ColorDepth::words;
 }
 
@@ -195,16 +196,18 @@ void report_skipped_of_las(const Input& in, const LasRecords& r) {
   if (flags & 2) in.unread("flags of key points");
 }
 
-/// Removes points that the file marks as withheld.
-void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) {
+/// Removes points that the file marks as withheld. False if no others are among the selected records.
+bool leave_out_withheld(const Input& in, const LasHeader& header, const LasRecords& r, PointSet& points) {
   std::vector<std::uint8_t> withheld(r.count);
   parallel_for(0, r.count, 1 << 15,
                [&](std::size_t i) { withheld[i] = static_cast<std::uint8_t>((r.flags(i) & kWithheld) != 0); });
   const auto lost = static_cast<std::size_t>(std::count(withheld.begin(), withheld.end(), std::uint8_t{1}));
-  if (lost == 0) return;
+  if (lost == 0) return true;
+  if (lost == r.count && (in.options.box || r.count < header.count)) return false;
   if (lost == r.count) in.fail(fmt::format("holds no valid points: all {} are flagged as withheld", grouped(lost)));
   remove_samples(points, withheld);
   in.warn(fmt::format("{} of {} points are flagged as withheld and were left out", grouped(lost), grouped(r.count)));
+  return true;
 }
 
 Vec3 record_position(const LasHeader& header, const char* record) {
@@ -228,31 +231,35 @@ bool any_record_in(const LasHeader& header, const Box3& box, std::span<const cha
   return false;
 }
 
-PointSet decode_las_points(const Input& in, const LasHeader& header, std::span<const char> bytes) {
+PointSet decode_las_points(const Input& in, const LasHeader& header, std::span<const char> bytes,
+                           std::span<const char> all) {
   const std::size_t n = bytes.size() / header.record;
   const char* const first = bytes.data();
   CloudColumns columns;
   const LasRecords records{first, header.record, n, header.format, header.minor == 0};
+  LasRecords judged = records;
+  if (!all.empty()) judged.first = all.data(), judged.count = all.size() / header.record;
   const std::size_t rgb = header.colors();
-  const ColorDepth depth = rgb ? color_depth(records, rgb) : ColorDepth::bytes;
+  const ColorDepth depth = rgb ? color_depth(judged, rgb) : ColorDepth::none;
+  if (depth == ColorDepth::bytes && judged.count < header.count)
+    in.warn(
+        "the colours of the selected points are at most 255 and were read as 8-bit colours: if the file has 16-bit "
+        "colours, they are too bright");
+  columns.wide_colors = depth == ColorDepth::words;
   for (std::size_t k = 0; k < 3; ++k) {
     columns.position[k] = {first + 4 * k, header.record, NumberType::i32, false};
-    if (rgb && depth == ColorDepth::high_bytes)
+    if (depth == ColorDepth::high_bytes)
       columns.color[k] = {first + rgb + 2 * k + 1, header.record, NumberType::u8, false};
-    else if (rgb)
+    else if (depth != ColorDepth::none)
       columns.color[k] = {first + rgb + 2 * k, header.record, NumberType::u16, false};
   }
   PointSet points;
   decode_columns(in, columns, n, points, header.scale, header.offset);
-  // Many writers choose a format with colours and leave them all zero.
-  const bool black = std::all_of(points.colors.begin(), points.colors.end(),
-                                 [](const auto& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; });
-  if (black) points.colors.clear();
   points.attributes = las_attributes(records);
   add_extras(in, find_extras(in, header, records, kLasRecordBytes[header.format]), n, points.attributes);
   report_skipped_of_las(in, records);
   if (depth == ColorDepth::words) in.unread("the lower 8 of the 16 bits of colours");
-  leave_out_withheld(in, records, points);
+  if (!leave_out_withheld(in, header, records, points)) return {};
   finish(in, points);
   return points;
 }

@@ -27,16 +27,16 @@ std::vector<char> las_records_in(const LasHeader& header, const Box3& box, std::
 
 PointSet read_las(const Input& in) {
   const LasHeader header = read_las_header(in);
-  const auto points_of = [&](std::span<const char> records) {
-    PointSet points = records.empty() ? PointSet{} : decode_las_points(in, header, records);
+  const auto points_of = [&](std::span<const char> records, std::span<const char> all) {
+    PointSet points = records.empty() ? PointSet{} : decode_las_points(in, header, records, all);
     points.reference = las_reference(header);
     return points;
   };
-  if (header.compressed) return points_of(laz::read_laz_records(in, header).span());
+  if (header.compressed) return points_of(laz::read_laz_records(in, header).span(), {});
   in.warn_without_levels();
   const std::span<const char> all(in.bytes.data() + header.begin, header.count * header.record);
-  if (in.options.box) return points_of(las_records_in(header, *in.options.box, all));
-  return points_of(all);
+  if (in.options.box) return points_of(las_records_in(header, *in.options.box, all), all);
+  return points_of(all, all);
 }
 
 }  // namespace sansmesh::inline v1::io

@@ -11,7 +11,7 @@ namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::string_view kProjection = "LASF_Projection";
-constexpr std::uint16_t kWkt = 2112, kKeys = 34735, kDoubles = 34736, kAscii = 34737;
+constexpr std::uint16_t kKeys = 34735, kDoubles = 34736, kAscii = 34737;
 constexpr unsigned kWktBit = 16;
 constexpr std::size_t kLongestPayload = 0xffff;
 
@@ -61,7 +61,7 @@ std::vector<std::uint16_t> keys_of_codes(const ReferenceSystem& s) {
 
 SharedSystem las_reference(const LasHeader& header) {
   const auto text_of = [&](std::string_view user) {
-    const LasVlr* const vlr = header.find(user, kWkt);
+    const LasVlr* const vlr = header.find(user, kWktRecord);
     return vlr ? vlr->payload : std::string_view();
   };
   const std::string_view text = text_of(kProjection), older = text_of("liblas");
@@ -77,7 +77,7 @@ std::vector<std::string> las_reference_records(const ReferenceSystem& system, bo
   std::vector<std::string> records;
   const std::string wkt = wkt_of(system);
   const bool has_wkt = !wkt.empty() && wkt.size() < kLongestPayload;
-  if (has_wkt) records.push_back(record_of(kWkt, wkt + '\0'));
+  if (has_wkt) records.push_back(record_of(kWktRecord, wkt + '\0'));
   if (wide && has_wkt) return records;
   std::vector<std::uint16_t> keys = system.geo_keys;
   if (keys.empty() && system.code > 0 && system.code < 0xffff && system.vertical_code < 0xffff)

@@ -9,6 +9,9 @@
 
 namespace sansmesh::inline v1::io {
 
+/// Number of the record of WKT.
+inline constexpr std::uint16_t kWktRecord = 2112;
+
 /// The system that the records state; null if they state none.
 SharedSystem las_reference(const LasHeader& header);
 

@@ -161,7 +161,7 @@ T value_of(const Attribute* a, std::size_t i) {
   return a ? static_cast<T>(a->number(i)) : T{};
 }
 
-constexpr std::size_t kDescribed = 192, kRecordHead = 54, kMostDescribed = 340;
+constexpr std::size_t kDescribed = 192, kMostDescribed = 340;
 
 /// The header's records that describe the extra bytes.
 std::string describe_extras(const std::vector<ExtraBytes>& extras) {
@@ -169,13 +169,13 @@ std::string describe_extras(const std::vector<ExtraBytes>& extras) {
   std::string all;
   for (std::size_t first = 0; first < extras.size(); first += kMostDescribed) {
     const std::size_t count = std::min(kMostDescribed, extras.size() - first);
-    std::string record(kRecordHead + count * kDescribed, '\0');
+    std::string record(kVlrHead + count * kDescribed, '\0');
     record.replace(2, 9, "LASF_Spec");
     put_at(record, 18, std::uint16_t{4});
     put_at(record, 20, static_cast<std::uint16_t>(count * kDescribed));
     for (std::size_t k = 0; k < count; ++k) {
       const ExtraBytes& e = extras[first + k];
-      const std::size_t at = kRecordHead + k * kDescribed;
+      const std::size_t at = kVlrHead + k * kDescribed;
       record[at + 2] =
           static_cast<char>(codes[static_cast<std::size_t>(e.attribute->type())] + 10 * (e.components - 1));
       record.replace(at + 4, std::min<std::size_t>(32, e.name.size()), e.name, 0, 32);
@@ -184,8 +184,6 @@ std::string describe_extras(const std::vector<ExtraBytes>& extras) {
   }
   return all;
 }
-
-constexpr std::size_t kBytesOfFormat[] = {20, 28, 26, 34, 57, 63, 30, 36, 38};
 
 /// Format of the records and their contents.
 struct LasLayout {
@@ -204,7 +202,7 @@ LasLayout las_layout(const PointSet& points) {
   l.extras = extra_bytes(points.attributes, l.fields);
   const unsigned colors = l.colors ? 2 : 0;
   l.format = l.wide ? (l.fields.infrared ? 8 : l.colors ? 7 : 6) : (l.fields.time ? 1u : 0u) + colors;
-  l.record = kBytesOfFormat[l.format];
+  l.record = kLasRecordBytes[l.format];
   for (const ExtraBytes& e : l.extras) l.record += e.components * size_of(e.attribute->type());
   if (l.record > 0xffff)
     throw ArgumentError("LAS holds at most 65,535 bytes of a point, not " + grouped(l.record) + "; write a PLY file");
@@ -216,13 +214,16 @@ LasLayout las_layout(const PointSet& points) {
 std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem* reference) {
   const LasFields& f = l.fields;
   const LasScale& scale = l.scale;
-  std::string header(l.wide ? 375 : 227, '\0');
+  std::string header(l.wide ? 375 : kLasHeaderBytes, '\0');
   std::string described = describe_extras(l.extras);
   const std::vector<std::string> system =
       reference ? las_reference_records(*reference, l.wide) : std::vector<std::string>();
-  for (const std::string& record : system) described += record;
-  // The wide formats require the bit for WKT, unless only GeoTIFF keys are known.
-  const bool is_wkt = l.wide && (!reference || system.empty() || !wkt_of(*reference).empty());
+  // The wide formats require the bit for WKT, unless there are only GeoTIFF keys.
+  bool is_wkt = l.wide && system.empty();
+  for (const std::string& record : system) {
+    described += record;
+    is_wkt |= l.wide && load<std::uint16_t>(record.data() + 18) == kWktRecord;
+  }
   header.replace(0, 4, "LASF");
   header[24] = 1, header[25] = l.wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");

@@ -1,7 +1,6 @@
 #include "sansmesh/io/points/merge_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <string_view>
@@ -9,8 +8,8 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/binary.h"
 #include "sansmesh/io/points/assemble_points.h"
+#include "sansmesh/io/points/las_header.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -93,16 +92,11 @@ AttributeTable join(const std::vector<std::string>& files, const std::vector<Poi
 
 /// Box of a LAS or LAZ file of any version, as its header states it.
 std::optional<Box3> stated_box(const std::string& file) {
-  constexpr std::size_t bytes = 227, at = 179;
-  char header[bytes];
+  char header[kLasHeaderBytes];
   std::ifstream stream(file, std::ios::binary);
-  if (!stream.read(header, bytes) || std::string_view(header, 4) != "LASF") return std::nullopt;
-  Box3 box;
-  for (std::size_t k = 0; k < 3; ++k) {
-    box.upper[k] = load<double>(header + at + 16 * k);
-    box.lower[k] = load<double>(header + at + 16 * k + 8);
-    if (!(box.lower[k] <= box.upper[k]) || !std::isfinite(box.upper[k] - box.lower[k])) return std::nullopt;
-  }
+  if (!stream.read(header, sizeof header) || std::string_view(header, 4) != "LASF") return std::nullopt;
+  const Box3 box = load_las_box(header);
+  if (box.empty() || !is_finite(box.size())) return std::nullopt;
   return box;
 }
 
@@ -128,13 +122,18 @@ SharedSystem join_systems(const std::vector<std::string>& files, const std::vect
 
 }  // namespace
 
-std::optional<Vec3> stated_origin(const std::vector<std::string>& files) {
+std::optional<Vec3> stated_origin(const std::vector<std::string>& files, const std::optional<Box3>& selected) {
   Box3 all;
   for (const std::string& file : files) {
-    const std::optional<Box3> box = stated_box(file);
+    std::optional<Box3> box = stated_box(file);
     if (!box) return std::nullopt;
-    all.extend(box->lower), all.extend(box->upper);
+    for (std::size_t k = 0; selected && k < 3; ++k) {
+      box->lower[k] = std::max(box->lower[k], selected->lower[k]);
+      box->upper[k] = std::min(box->upper[k], selected->upper[k]);
+    }
+    all.extend(*box);
   }
+  if (all.empty()) return std::nullopt;
   return choose_origin(all);
 }
 
