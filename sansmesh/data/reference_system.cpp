@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr std::string_view kMetre = "metre", kFoot = "foot", kSurveyFoot = "US survey foot", kDegree = "degree";
 constexpr double kFootLength = 0.3048, kSurveyFootLength = 1200.0 / 3937;
 constexpr double kSameUnit = 1e-9;  ///< relative difference of equal units: the two feet differ by 2e-6
+constexpr double kDegreeAngle = std::numbers::pi / 180, kSameAngle = 1e-4;
 constexpr std::size_t kLongestName = 200, kLongestText = std::size_t{1} << 20;
 constexpr int kUserDefined = 32767;
 
@@ -49,6 +51,11 @@ SystemUnit unit_of_length(double metres, const std::string& given) {
   if (is(kFootLength)) return {std::string(kFoot), kFootLength};
   if (is(kSurveyFootLength)) return {std::string(kSurveyFoot), kSurveyFootLength};
   return {given.empty() ? fmt::format("{:g} m", metres) : given, metres};
+}
+
+/// Names of the degree differ ("Degree" of ESRI), its size does not.
+SystemUnit unit_of_angle(double radians, const std::string& given) {
+  return {std::abs(radians / kDegreeAngle - 1) < kSameAngle ? std::string(kDegree) : given, 0};
 }
 
 /// Units by their EPSG code.
@@ -108,10 +115,10 @@ SystemUnit unit_of(const WktNode& node) {
   const bool angles = node.keyword.starts_with("GEOG") || node.keyword == "BASEGEOGCRS";
   const auto read = [&](const WktNode* unit) -> std::optional<SystemUnit> {
     if (!unit || unit->values.size() < 2) return std::nullopt;
-    if (angles || unit->keyword == "ANGLEUNIT") return SystemUnit{clean_name(unit->name()), 0};
-    const double metres = std::strtod(unit->values[1].c_str(), nullptr);
-    if (!(metres > 0) || !std::isfinite(metres)) return std::nullopt;
-    return unit_of_length(metres, clean_name(unit->name()));
+    const double size = std::strtod(unit->values[1].c_str(), nullptr);
+    if (angles || unit->keyword == "ANGLEUNIT") return unit_of_angle(size, clean_name(unit->name()));
+    if (!(size > 0) || !std::isfinite(size)) return std::nullopt;
+    return unit_of_length(size, clean_name(unit->name()));
   };
   if (const auto unit = read(node.child({"LENGTHUNIT", "UNIT", "ANGLEUNIT"}))) return *unit;
   for (const WktNode& axis : node.children)

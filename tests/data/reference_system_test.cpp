@@ -1,6 +1,7 @@
 // Reference systems: texts of both generations, GeoTIFF keys, codes, and when two systems are equal.
 #include "sansmesh/data/reference_system.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "sansmesh/data/wkt_tree.h"
@@ -34,6 +35,17 @@ TEST(ReferenceSystem, TextsGiveNamesCodesAndUnits) {
   EXPECT_EQ(system_words(*newer), "ETRS89 / UTM zone 32N (EPSG:25832), unit metre");
   EXPECT_EQ(angles->unit, "degree");
   EXPECT_EQ(angles->metres, 0);
+}
+
+TEST(ReferenceSystem, DegreesHaveManyNames) {
+  const auto angles = system_of_text(kAngles);
+  for (const char* const unit : {R"("Degree",0.0174532925199433)", R"("DEGREES",0.01745329)"}) {
+    const auto same = system_of_text(fmt::format("GEOGCS[\"WGS 84\",UNIT[{}],AUTHORITY[\"EPSG\",\"4326\"]]", unit));
+    ASSERT_TRUE(same);
+    EXPECT_EQ(same->unit, "degree");
+    EXPECT_TRUE(may_be_equal(same.get(), angles.get()));
+  }
+  EXPECT_EQ(system_of_text(R"(GEOGCS["NTF",UNIT["grad",0.015707963267949]])")->unit, "grad");
 }
 
 TEST(ReferenceSystem, CodesAlone) {
