@@ -48,6 +48,16 @@ TEST(ReferenceSystem, DegreesHaveManyNames) {
   EXPECT_EQ(system_of_text(R"(GEOGCS["NTF",UNIT["grad",0.015707963267949]])")->unit, "grad");
 }
 
+TEST(ReferenceSystem, HeightsOfEsriAreASecondText) {
+  const std::string projected = R"(PROJCS["NAD_1983_UTM_Zone_10N",GEOGCS["a"],UNIT["Meter",1.0]])",
+                    heights = R"(VERTCS["NAVD88",VDATUM["b"],UNIT["Foot_US",0.3048006096012192]])";
+  const auto both = system_of_text(projected + ",\n" + heights);
+  ASSERT_TRUE(both);
+  EXPECT_EQ(system_words(*both), "NAD_1983_UTM_Zone_10N, unit metre, heights in US survey foot");
+  for (const std::string& rest : {std::string(","), "," + projected, heights, "," + heights + "," + heights})
+    EXPECT_FALSE(system_of_text(projected + rest)) << rest;
+}
+
 TEST(ReferenceSystem, CodesAlone) {
   const auto zone = system_of_text(" EPSG:32733\n"), other = system_of_text("epsg:2056+5728");
   ASSERT_TRUE(zone && other);

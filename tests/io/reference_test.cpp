@@ -68,6 +68,18 @@ TEST(Reference, LasKeepsKeysAndCodes) {
   EXPECT_EQ(again.reference->vertical_code, 5728);
 }
 
+TEST(Reference, LasReportsRecordsInAnUnknownForm) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  points.reference = system_of_text(kFeet);
+  write_points(folder / "a.las", points);
+  std::string bytes = slurp(folder / "a.las");
+  bytes.replace(bytes.find("PROJCS"), 6, "NO_WKT");
+  ReadReport report;
+  EXPECT_FALSE(read_points(folder.put("a.las", bytes), &report).reference);
+  EXPECT_EQ(report.unread, std::vector<std::string>{"a reference system in an unknown form"});
+}
+
 TEST(Reference, DifferentSystemsAreNotReadAsOne) {
   const Folder folder;
   PointSet points = made_points(8);

@@ -9,8 +9,8 @@
 
 namespace sansmesh::inline v1::io {
 
-/// The system that the records state; null if they state none.
-SharedSystem las_reference(const LasHeader& header);
+/// The system that the records state; null if they state none. Reports records that are not understood.
+SharedSystem las_reference(const Input& in, const LasHeader& header);
 
 /// Records that state a system. `wide`: for LAS 1.4, where WKT is preferred. GeoTIFF keys are those of the file that
 /// was read, or state the codes.
