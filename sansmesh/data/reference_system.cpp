@@ -238,6 +238,39 @@ std::optional<ReferenceSystem> describe_keys(const GeoKeys& keys) {
   return system;
 }
 
+/// Whether heights have a known unit, which is not the horizontal one.
+bool has_own_heights(const ReferenceSystem& system) {
+  return system.vertical_metres > 0 && system.vertical_unit != system.unit;
+}
+
+/// Systems in other units than metres have no code: it implies the unit.
+std::string wkt_of_zone(const UtmZone& zone, const ReferenceSystem& system) {
+  const bool in_metres = system.metres == 0 || system.metres == 1;
+  const double metres = in_metres ? 1 : system.metres;
+  return fmt::format(
+      "PROJCS[\"{}\",GEOGCS[\"{}\",DATUM[\"{}\",{}],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],"
+      "AUTHORITY[\"EPSG\",\"{}\"]],PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+      "PARAMETER[\"central_meridian\",{}],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",{:.15g}],"
+      "PARAMETER[\"false_northing\",{:.15g}],UNIT[\"{}\",{:.15g}],AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH]{}]",
+      utm_name(zone), zone.datum, zone.wkt_datum, zone.spheroid, zone.datum_code, 6 * zone.zone - 183, 500000 / metres,
+      (zone.south ? 10000000 : 0) / metres, in_metres ? kMetre : system.unit, metres,
+      in_metres ? fmt::format(",AUTHORITY[\"EPSG\",\"{}\"]", system.code) : std::string());
+}
+
+/// Whether the text is of the first form, without heights.
+bool may_precede_heights(const std::string& text) { return text.starts_with("PROJCS[") || text.starts_with("GEOGCS["); }
+
+/// Compound of a horizontal system and heights of which the unit is known. The name stays: files without codes are
+/// compared by it.
+std::string with_heights(const std::string& text, const ReferenceSystem& system) {
+  std::string name;
+  for (const char c : system.name) name.append(c == '"' ? 2 : 1, c);
+  return fmt::format(
+      "COMPD_CS[\"{}\",{},VERT_CS[\"heights\",VERT_DATUM[\"unknown\",2005],UNIT[\"{}\",{:.15g}],AXIS[\"Up\",UP]{}]]",
+      name, text, system.vertical_unit, system.vertical_metres,
+      system.vertical_code == 0 ? std::string() : fmt::format(",AUTHORITY[\"EPSG\",\"{}\"]", system.vertical_code));
+}
+
 }  // namespace
 
 SharedSystem system_of_text(std::string_view text) {
@@ -268,17 +301,17 @@ SharedSystem system_of_keys(std::span<const std::uint16_t> keys, std::span<const
 }
 
 std::string wkt_of(const ReferenceSystem& system) {
-  if (!system.wkt.empty()) return system.wkt;
-  const auto zone = utm_zone(system.code);
-  if (!zone || system.vertical_code != 0) return {};
-  return fmt::format(
-      "PROJCS[\"{}\",GEOGCS[\"{}\",DATUM[\"{}\",{}],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],"
-      "AUTHORITY[\"EPSG\",\"{}\"]],PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
-      "PARAMETER[\"central_meridian\",{}],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],"
-      "PARAMETER[\"false_northing\",{}],UNIT[\"metre\",1],AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH],"
-      "AUTHORITY[\"EPSG\",\"{}\"]]",
-      utm_name(*zone), zone->datum, zone->wkt_datum, zone->spheroid, zone->datum_code, 6 * zone->zone - 183,
-      zone->south ? 10000000 : 0, system.code);
+  std::string text = system.wkt;
+  if (text.empty()) {
+    const auto zone = utm_zone(system.code);
+    const bool in_metres = system.metres == 0 || system.metres == 1;
+    // A code says more about heights than text can be made of, unless the text must state units.
+    if (!zone || (system.vertical_code != 0 && in_metres && !has_own_heights(system))) return {};
+    text = wkt_of_zone(*zone, system);
+  } else if (const SharedSystem stated = system_of_text(text); !stated || !stated->vertical_unit.empty()) {
+    return text;
+  }
+  return has_own_heights(system) && may_precede_heights(text) ? with_heights(text, system) : text;
 }
 
 std::string unit_words(const ReferenceSystem& system) {

@@ -97,6 +97,27 @@ TEST(ReferenceSystem, GeoTiffKeys) {
   EXPECT_TRUE(system_of_keys(bad, {}, "x"));
 }
 
+TEST(ReferenceSystem, TextsStateTheUnitsOfKeys) {
+  const auto keys = [](std::uint16_t unit, std::uint16_t heights, std::uint16_t unit_of_heights) {
+    return std::vector<std::uint16_t>{1,    1, 0, 5,    1024, 0, 1, 1,       3072, 0, 1, 26910,
+                                      3076, 0, 1, unit, 4096, 0, 1, heights, 4099, 0, 1, unit_of_heights};
+  };
+  const auto again = [](const SharedSystem& system) {
+    const auto read = system_of_text(wkt_of(*system));
+    EXPECT_TRUE(read && may_be_equal(read.get(), system.get()));
+    return read ? system_words(*read) : std::string();
+  };
+  EXPECT_EQ(again(system_of_keys(keys(9003, 0, 0), {}, {})), "NAD83 / UTM zone 10N, unit US survey foot");
+  EXPECT_EQ(again(system_of_keys(keys(9002, 6360, 9003), {}, {})),
+            "NAD83 / UTM zone 10N (heights EPSG:6360), unit foot, heights in US survey foot");
+  EXPECT_EQ(again(system_of_keys(keys(9001, 0, 9003), {}, {})),
+            "NAD83 / UTM zone 10N (EPSG:26910), unit metre, heights in US survey foot");
+  // The text of the file has no heights.
+  EXPECT_EQ(again(system_of_keys(keys(9001, 0, 9003), {}, {}, kUtm)),
+            "NAD83 / UTM zone 10N (EPSG:26910), unit metre, heights in US survey foot");
+  EXPECT_EQ(wkt_of(*system_of_keys(keys(9001, 0, 9001), {}, {}, kUtm)), kUtm);
+}
+
 TEST(ReferenceSystem, DifferentSystemsAreNamed) {
   const auto utm = system_of_text(kUtm), feet = system_of_text(kFeet), code = system_of_text("EPSG:26910"),
              other = system_of_text("EPSG:26911");
