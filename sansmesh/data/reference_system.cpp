@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -19,6 +20,7 @@ namespace {
 constexpr std::string_view kMetre = "metre", kFoot = "foot", kSurveyFoot = "US survey foot", kDegree = "degree";
 constexpr double kFootLength = 0.3048, kSurveyFootLength = 1200.0 / 3937;
 constexpr double kSameUnit = 1e-9;  ///< relative difference of equal units: the two feet differ by 2e-6
+constexpr double kDegreeAngle = std::numbers::pi / 180, kSameAngle = 1e-4;
 constexpr std::size_t kLongestName = 200, kLongestText = std::size_t{1} << 20;
 constexpr int kUserDefined = 32767;
 
@@ -50,6 +52,11 @@ SystemUnit unit_of_length(double metres, const std::string& given) {
   if (is(kFootLength)) return {std::string(kFoot), kFootLength};
   if (is(kSurveyFootLength)) return {std::string(kSurveyFoot), kSurveyFootLength};
   return {given.empty() ? fmt::format("{:g} m", metres) : given, metres};
+}
+
+/// Names of the degree differ ("Degree" of ESRI), its size does not.
+SystemUnit unit_of_angle(double radians, const std::string& given) {
+  return {std::abs(radians / kDegreeAngle - 1) < kSameAngle ? std::string(kDegree) : given, 0};
 }
 
 /// Units by their EPSG code.
@@ -112,10 +119,10 @@ SystemUnit unit_of(const WktNode& node) {
   const bool angles = node.keyword.starts_with("GEOG") || node.keyword == "BASEGEOGCRS";
   const auto read = [&](const WktNode* unit) -> std::optional<SystemUnit> {
     if (!unit || unit->values.size() < 2) return std::nullopt;
-    if (angles || unit->keyword == "ANGLEUNIT") return SystemUnit{clean_name(unit->name()), 0};
-    const double metres = std::strtod(unit->values[1].c_str(), nullptr);
-    if (!(metres > 0) || !std::isfinite(metres)) return std::nullopt;
-    return unit_of_length(metres, clean_name(unit->name()));
+    const double size = std::strtod(unit->values[1].c_str(), nullptr);
+    if (angles || unit->keyword == "ANGLEUNIT") return unit_of_angle(size, clean_name(unit->name()));
+    if (!(size > 0) || !std::isfinite(size)) return std::nullopt;
+    return unit_of_length(size, clean_name(unit->name()));
   };
   if (const auto unit = read(node.child({"LENGTHUNIT", "UNIT", "ANGLEUNIT"}))) return *unit;
   for (const WktNode& axis : node.children)
@@ -249,6 +256,39 @@ bool is_described_alike(const ReferenceSystem& a, const ReferenceSystem& b) {
   return compared(a) == compared(b) && knowledge(a) == knowledge(b);
 }
 
+/// Whether heights have a known unit, which is not the horizontal one.
+bool has_own_heights(const ReferenceSystem& system) {
+  return system.vertical_metres > 0 && system.vertical_unit != system.unit;
+}
+
+/// Systems in other units than metres have no code: it implies the unit.
+std::string wkt_of_zone(const UtmZone& zone, const ReferenceSystem& system) {
+  const bool in_metres = system.metres == 0 || system.metres == 1;
+  const double metres = in_metres ? 1 : system.metres;
+  return fmt::format(
+      "PROJCS[\"{}\",GEOGCS[\"{}\",DATUM[\"{}\",{}],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],"
+      "AUTHORITY[\"EPSG\",\"{}\"]],PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+      "PARAMETER[\"central_meridian\",{}],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",{:.15g}],"
+      "PARAMETER[\"false_northing\",{:.15g}],UNIT[\"{}\",{:.15g}],AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH]{}]",
+      utm_name(zone), zone.datum, zone.wkt_datum, zone.spheroid, zone.datum_code, 6 * zone.zone - 183, 500000 / metres,
+      (zone.south ? 10000000 : 0) / metres, in_metres ? kMetre : system.unit, metres,
+      in_metres ? fmt::format(",AUTHORITY[\"EPSG\",\"{}\"]", system.code) : std::string());
+}
+
+/// Whether the text is of the first form, without heights.
+bool may_precede_heights(const std::string& text) { return text.starts_with("PROJCS[") || text.starts_with("GEOGCS["); }
+
+/// Compound of a horizontal system and heights of which the unit is known. The name stays: files without codes are
+/// compared by it.
+std::string with_heights(const std::string& text, const ReferenceSystem& system) {
+  std::string name;
+  for (const char c : system.name) name.append(c == '"' ? 2 : 1, c);
+  return fmt::format(
+      "COMPD_CS[\"{}\",{},VERT_CS[\"heights\",VERT_DATUM[\"unknown\",2005],UNIT[\"{}\",{:.15g}],AXIS[\"Up\",UP]{}]]",
+      name, text, system.vertical_unit, system.vertical_metres,
+      system.vertical_code == 0 ? std::string() : fmt::format(",AUTHORITY[\"EPSG\",\"{}\"]", system.vertical_code));
+}
+
 }  // namespace
 
 SharedSystem system_of_text(std::string_view text) {
@@ -279,17 +319,17 @@ SharedSystem system_of_keys(std::span<const std::uint16_t> keys, std::span<const
 }
 
 std::string wkt_of(const ReferenceSystem& system) {
-  if (!system.wkt.empty()) return system.wkt;
-  const auto zone = utm_zone(system.code);
-  if (!zone || system.vertical_code != 0) return {};
-  return fmt::format(
-      "PROJCS[\"{}\",GEOGCS[\"{}\",DATUM[\"{}\",{}],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],"
-      "AUTHORITY[\"EPSG\",\"{}\"]],PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
-      "PARAMETER[\"central_meridian\",{}],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],"
-      "PARAMETER[\"false_northing\",{}],UNIT[\"metre\",1],AXIS[\"Easting\",EAST],AXIS[\"Northing\",NORTH],"
-      "AUTHORITY[\"EPSG\",\"{}\"]]",
-      utm_name(*zone), zone->datum, zone->wkt_datum, zone->spheroid, zone->datum_code, 6 * zone->zone - 183,
-      zone->south ? 10000000 : 0, system.code);
+  std::string text = system.wkt;
+  if (text.empty()) {
+    const auto zone = utm_zone(system.code);
+    const bool in_metres = system.metres == 0 || system.metres == 1;
+    // A code says more about heights than text can be made of, unless the text must state units.
+    if (!zone || (system.vertical_code != 0 && in_metres && !has_own_heights(system))) return {};
+    text = wkt_of_zone(*zone, system);
+  } else if (const SharedSystem stated = system_of_text(text); !stated || !stated->vertical_unit.empty()) {
+    return text;
+  }
+  return has_own_heights(system) && may_precede_heights(text) ? with_heights(text, system) : text;
 }
 
 std::string unit_words(const ReferenceSystem& system) {

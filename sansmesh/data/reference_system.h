@@ -24,7 +24,7 @@ SharedSystem system_of_keys(std::span<const std::uint16_t> keys, std::span<const
                             std::string_view ascii, std::string_view text = {});
 
 /// The system as WKT for other programs; empty if only its code or keys are known, and no text follows from them (it
-/// does for UTM zones on WGS 84, ETRS89 and NAD83).
+/// does for UTM zones on WGS 84, ETRS89 and NAD83). Units that differ from those of the text or code are in it.
 std::string wkt_of(const ReferenceSystem& system);
 
 /// "NAD83 / UTM zone 10N (EPSG:26910), unit metre"

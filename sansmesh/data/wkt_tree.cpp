@@ -13,15 +13,22 @@ class WktParser {
   explicit WktParser(std::string_view text) : rest_(text) {}
 
   std::optional<WktNode> parse() {
-    WktNode root;
-    std::string word;
-    skip_space();
-    if (!read_word(word) || !read_node(std::move(word), 0, root)) return std::nullopt;
+    WktNode root, heights;
+    if (!read_root(root)) return std::nullopt;
+    if (take(",")) {
+      if (!read_root(heights) || !heights.keyword.starts_with("VERT")) return std::nullopt;
+      root = {"COMPD_CS", {root.name()}, {root, heights}};
+    }
     skip_space();
     return rest_.empty() ? std::optional(std::move(root)) : std::nullopt;
   }
 
  private:
+  bool read_root(WktNode& root) {
+    std::string word;
+    skip_space();
+    return read_word(word) && read_node(std::move(word), 0, root);
+  }
   void skip_space() {
     while (!rest_.empty() && (std::isspace(static_cast<unsigned char>(rest_[0])) != 0 || rest_[0] == '\0'))
       rest_.remove_prefix(1);

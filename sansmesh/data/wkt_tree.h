@@ -21,7 +21,8 @@ struct WktNode {
   std::string name() const { return values.empty() ? std::string() : values[0]; }
 };
 
-/// The root; empty if the text is no WKT.
+/// The root; empty if the text is no WKT. "PROJCS[…],VERTCS[…]", the form of ESRI, becomes a compound system with the
+/// name of its first part.
 std::optional<WktNode> parse_wkt(std::string_view text);
 
 }  // namespace sansmesh::inline v1

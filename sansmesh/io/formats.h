@@ -83,6 +83,10 @@ struct WrittenAs {
 /// Data that a format can hold besides positions and triangles.
 enum class FormatCapacity : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
 
+/// How a format holds a reference system: in a file .prj beside it, as a line of text (WKT or an EPSG code), or in
+/// records of LAS (also GeoTIFF keys).
+enum class SystemCapacity : std::uint8_t { beside, text, records };
+
 /// The bytes of a file, in parts.
 using FileParts = std::vector<std::string>;
 
@@ -105,7 +109,7 @@ struct FormatInfo {
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
   FormatCapacity mesh_capacity = FormatCapacity::all, points_capacity = FormatCapacity::all;
-  bool holds_system = false;  ///< has records for reference systems
+  SystemCapacity system_capacity = SystemCapacity::beside;
   /// For formats without a FormatId: whether the first bytes of a file identify the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 

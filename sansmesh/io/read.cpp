@@ -85,7 +85,10 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   }
   PointSet points = format->read_points(in);
   if (!format->selects) in.warn_without_levels();
-  if (!points.reference && points.size() > 0) points.reference = io::system_beside(in);
+  if (points.reference && io::states_unknown(*points.reference))
+    points.reference = nullptr;
+  else if (!points.reference && points.size() > 0)
+    points.reference = io::system_beside(in);
   report.reference = points.reference;
   if (points.reference) warn_of_units(in, *points.reference);
   if (options.box && !format->selects) keep_box(points, *options.box);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_destination.h"
@@ -13,6 +14,7 @@ namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::size_t kLongestPrj = std::size_t{1} << 20;
+constexpr std::string_view kUnknown = "unknown";
 
 std::string name_beside(const std::string& file) {
   std::filesystem::path path(file);
@@ -20,10 +22,40 @@ std::string name_beside(const std::string& file) {
   return path.replace_extension(".prj").string();
 }
 
+std::string short_name(const std::string& name) {
+  return printable(std::filesystem::path(name).filename().string(), 200);
+}
+
+/// System of a file .prj that exists; null if its text is none.
+SharedSystem read_prj(const std::string& name) {
+  std::ifstream stream(name, std::ios::binary);
+  std::string text(kLongestPrj, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return system_of_text(without_byte_order_mark(text));
+}
+
+/// Whether the system is in the file or in a file .prj beside it.
+bool keeps_system(const FormatInfo& format, const ReferenceSystem& system) {
+  if (!wkt_of(system).empty()) return true;
+  if (format.system_capacity == SystemCapacity::records && !system.geo_keys.empty()) return true;
+  return format.system_capacity != SystemCapacity::beside && system.code != 0;
+}
+
 }  // namespace
+
+SharedSystem system_of_line(std::string_view line) {
+  return line == kUnknown ? std::make_shared<const ReferenceSystem>() : system_of_text(line);
+}
+
+bool states_unknown(const ReferenceSystem& s) {
+  return s.wkt.empty() && s.geo_keys.empty() && s.code == 0 && s.vertical_code == 0 && s.name.empty() &&
+         s.unit.empty() && s.vertical_unit.empty();
+}
 
 std::string system_line(const ReferenceSystem* system) {
   if (!system) return {};
+  if (states_unknown(*system)) return std::string(kUnknown);
   std::string line = wkt_of(*system);
   if (line.empty() && system->code != 0) {
     line = "EPSG:" + std::to_string(system->code);
@@ -40,30 +72,48 @@ SharedSystem system_of_ply(std::string_view bytes) {
   for (int lines = 0; !header.at_end() && lines < 10000; ++lines) {
     const std::string_view line = header.line();
     if (line.starts_with("end_header")) break;
-    if (line.starts_with(kSystemComment)) return system_of_text(line.substr(kSystemComment.size()));
+    if (line.starts_with(kSystemComment)) return system_of_line(line.substr(kSystemComment.size()));
   }
   return nullptr;
 }
 
-SharedSystem system_beside(const Input& in) {
-  const std::string name = name_beside(in.file);
+bool has_system_beside(const std::string& file) {
   std::error_code none;
-  if (!std::filesystem::is_regular_file(name, none)) return nullptr;
-  std::ifstream stream(name, std::ios::binary);
-  std::string text(kLongestPrj, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  SharedSystem system = system_of_text(without_byte_order_mark(text));
-  if (!system)
-    in.warn("the file " + std::filesystem::path(name).filename().string() +
-            " beside it is no WKT of a reference system: ignored");
+  return std::filesystem::is_regular_file(name_beside(file), none);
+}
+
+SharedSystem system_beside(const Input& in) {
+  if (!has_system_beside(in.file)) return nullptr;
+  const std::string name = name_beside(in.file);
+  SharedSystem system = read_prj(name);
+  if (!system) in.warn("the file " + short_name(name) + " beside it is no WKT of a reference system: ignored");
   return system;
 }
 
 void write_system_beside(const std::string& file, const ReferenceSystem* system) {
   const std::string text = system ? wkt_of(*system) : std::string();
-  if (text.empty() || find_output_destination(file).stream) return;
+  if (text.empty() || has_system_beside(file) || find_output_destination(file).stream) return;
   write_whole(name_beside(file), {text, "\n"});
+}
+
+std::string system_remark(const std::string& file, const ReferenceSystem* system) {
+  const FormatInfo* const format = format_of_name(file);
+  if (!format) return {};
+  if (system && !keeps_system(*format, *system))
+    return "cannot hold the reference system (" + system_words(*system) + "), of which no WKT is known: left out; " +
+           (system->code != 0 ? "LAS, LAZ, PLY and GLB hold it" : "LAS and LAZ hold it");
+  if (format->system_capacity == SystemCapacity::text || !has_system_beside(file)) return {};
+  if (format->system_capacity == SystemCapacity::records && system) return {};
+  const std::string name = name_beside(file);
+  const SharedSystem other = read_prj(name);
+  if (!other && !system) return {};
+  if (!system)
+    return "the file " + short_name(name) + " beside it states a reference system (" + system_words(*other) +
+           "), which counts for this file, too: rename one of them if it is of other data";
+  if (other && may_be_equal(other.get(), system)) return {};
+  return "the file " + short_name(name) + " beside it " +
+         (other ? "states another reference system (" + system_words(*other) + ")" : "is no WKT") +
+         " and was kept: rename one of them";
 }
 
 }  // namespace sansmesh::inline v1::io

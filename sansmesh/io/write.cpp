@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 
 #include "sansmesh/core/length_limits.h"
@@ -29,6 +30,12 @@ std::vector<std::string> lost_data(FormatCapacity room, const io::OutputContent&
       names.push_back(printable(a.name, 80));
   for (const Attribute& a : content.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
   return names;
+}
+
+/// Whether a file .prj of other data would count, unless the file states that its system is unknown.
+bool must_state_unknown(const FormatInfo& format, const std::string& file, const ReferenceSystem* system) {
+  return format.system_capacity == SystemCapacity::text && io::system_line(system).empty() &&
+         io::has_system_beside(file);
 }
 
 /// Throws FileError: the ending is not a known one.
@@ -72,6 +79,10 @@ void check_reach(const std::string& file, std::span<const Vec3f> positions, cons
         file, fmt::format("would have coordinates up to {:.3g}; at most {:g} is supported", far, kLargestCoordinate));
 }
 
+void write_beside(const FormatInfo& format, const std::string& file, const ReferenceSystem* system) {
+  if (format.system_capacity == SystemCapacity::beside) io::write_system_beside(file, system);
+}
+
 template <class Triangles>
 void check_triangles(const Triangles& triangles, std::size_t n) {
   for (const auto& t : triangles) {
@@ -91,8 +102,13 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
   mesh.triangle_attributes.check_rows(mesh.triangles.size(), "triangles");
   check_triangles(mesh.triangles, mesh.vertices.size());
   check_reach(file, mesh.vertices, mesh.origin);
+  if (must_state_unknown(writer, file, mesh.reference.get())) {
+    TriangleMesh stated = mesh;
+    stated.reference = std::make_shared<const ReferenceSystem>();
+    return io::write_whole(file, writer.write_mesh(stated, options));
+  }
   io::write_whole(file, writer.write_mesh(mesh, options));
-  io::write_system_beside(file, mesh.reference.get());
+  write_beside(writer, file, mesh.reference.get());
 }
 
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options) {
@@ -102,8 +118,13 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   points.attributes.check_rows(points.size(), "points");
   check_triangles(points.triangles, points.size());
   check_reach(file, points.positions, points.origin);
+  if (must_state_unknown(writer, file, points.reference.get())) {
+    PointSet stated = points;
+    stated.reference = std::make_shared<const ReferenceSystem>();
+    return io::write_whole(file, writer.write_points(stated, options));
+  }
   io::write_whole(file, writer.write_points(points, options));
-  if (!writer.holds_system) io::write_system_beside(file, points.reference.get());
+  write_beside(writer, file, points.reference.get());
 }
 
 bool is_written(const std::string& file, const std::string& kind) {
@@ -131,7 +152,7 @@ void write_lines(const std::string& file, const PolylineSet& lines, const WriteO
   lines.attributes.check_rows(lines.positions.size(), "points");
   lines.line_attributes.check_rows(lines.size(), "lines");
   io::write_whole(file, writer.write_lines(lines, options));
-  io::write_system_beside(file, lines.reference.get());
+  write_beside(writer, file, lines.reference.get());
 }
 
 void write_text(const std::string& file, const std::string& text) { io::write_whole(file, {text}); }

@@ -1,6 +1,7 @@
 // Reference systems: texts of both generations, GeoTIFF keys, codes, and when two systems are equal.
 #include "sansmesh/data/reference_system.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "sansmesh/data/wkt_tree.h"
@@ -36,6 +37,27 @@ TEST(ReferenceSystem, TextsGiveNamesCodesAndUnits) {
   EXPECT_EQ(angles->metres, 0);
   EXPECT_EQ(system_words(*system_of_text("PROJCS[\"unnamed\",UNIT[\"m\",1],AUTHORITY[\"EPSG\",\"2056\"]]")),
             "EPSG:2056, unit metre");
+}
+
+TEST(ReferenceSystem, DegreesHaveManyNames) {
+  const auto angles = system_of_text(kAngles);
+  for (const char* const unit : {R"("Degree",0.0174532925199433)", R"("DEGREES",0.01745329)"}) {
+    const auto same = system_of_text(fmt::format("GEOGCS[\"WGS 84\",UNIT[{}],AUTHORITY[\"EPSG\",\"4326\"]]", unit));
+    ASSERT_TRUE(same);
+    EXPECT_EQ(same->unit, "degree");
+    EXPECT_TRUE(may_be_equal(same.get(), angles.get()));
+  }
+  EXPECT_EQ(system_of_text(R"(GEOGCS["NTF",UNIT["grad",0.015707963267949]])")->unit, "grad");
+}
+
+TEST(ReferenceSystem, HeightsOfEsriAreASecondText) {
+  const std::string projected = R"(PROJCS["NAD_1983_UTM_Zone_10N",GEOGCS["a"],UNIT["Meter",1.0]])",
+                    heights = R"(VERTCS["NAVD88",VDATUM["b"],UNIT["Foot_US",0.3048006096012192]])";
+  const auto both = system_of_text(projected + ",\n" + heights);
+  ASSERT_TRUE(both);
+  EXPECT_EQ(system_words(*both), "NAD_1983_UTM_Zone_10N, unit metre, heights in US survey foot");
+  for (const std::string& rest : {std::string(","), "," + projected, heights, "," + heights + "," + heights})
+    EXPECT_FALSE(system_of_text(projected + rest)) << rest;
 }
 
 TEST(ReferenceSystem, CodesAlone) {
@@ -93,6 +115,27 @@ TEST(ReferenceSystem, AllPairsOfInputsAreCompared) {
   ASSERT_TRUE(other);
   EXPECT_EQ(other->name, "a");
   EXPECT_EQ(common.system(), a);
+}
+
+TEST(ReferenceSystem, TextsStateTheUnitsOfKeys) {
+  const auto keys = [](std::uint16_t unit, std::uint16_t heights, std::uint16_t unit_of_heights) {
+    return std::vector<std::uint16_t>{1,    1, 0, 5,    1024, 0, 1, 1,       3072, 0, 1, 26910,
+                                      3076, 0, 1, unit, 4096, 0, 1, heights, 4099, 0, 1, unit_of_heights};
+  };
+  const auto again = [](const SharedSystem& system) {
+    const auto read = system_of_text(wkt_of(*system));
+    EXPECT_TRUE(read && may_be_equal(read.get(), system.get()));
+    return read ? system_words(*read) : std::string();
+  };
+  EXPECT_EQ(again(system_of_keys(keys(9003, 0, 0), {}, {})), "NAD83 / UTM zone 10N, unit US survey foot");
+  EXPECT_EQ(again(system_of_keys(keys(9002, 6360, 9003), {}, {})),
+            "NAD83 / UTM zone 10N (heights EPSG:6360), unit foot, heights in US survey foot");
+  EXPECT_EQ(again(system_of_keys(keys(9001, 0, 9003), {}, {})),
+            "NAD83 / UTM zone 10N (EPSG:26910), unit metre, heights in US survey foot");
+  // The text of the file has no heights.
+  EXPECT_EQ(again(system_of_keys(keys(9001, 0, 9003), {}, {}, kUtm)),
+            "NAD83 / UTM zone 10N (EPSG:26910), unit metre, heights in US survey foot");
+  EXPECT_EQ(wkt_of(*system_of_keys(keys(9001, 0, 9001), {}, {}, kUtm)), kUtm);
 }
 
 TEST(ReferenceSystem, DifferentSystemsAreNamed) {

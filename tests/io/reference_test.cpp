@@ -2,6 +2,7 @@
 #include "io_test_tools.h"
 #include "sansmesh/data/reference_system.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/reference_text.h"
 #include "support/places.h"
 
 namespace sansmesh::inline v1 {
@@ -20,7 +21,7 @@ TEST(Reference, EveryFormatOfPointsKeepsIt) {
     SCOPED_TRACE(ending);
     const std::string file = folder / ("a" + ending);
     write_points(file, points);
-    const bool in_file = ending == ".las" || ending == ".laz";
+    const bool in_file = ending == ".las" || ending == ".laz" || ending == ".ply";
     EXPECT_EQ(std::filesystem::exists(folder / "a.prj"), !in_file);
     ReadReport report;
     const PointSet again = read_points(file, &report);
@@ -29,7 +30,6 @@ TEST(Reference, EveryFormatOfPointsKeepsIt) {
     EXPECT_EQ(again.reference->wkt, kFeet);
     EXPECT_EQ(report.reference, again.reference);
     std::filesystem::remove(folder / "a.prj");
-    if (ending == ".ply") EXPECT_TRUE(read_points(file).reference);
   }
 }
 
@@ -44,9 +44,45 @@ TEST(Reference, EveryFormatOfMeshesKeepsIt) {
     const TriangleMesh again = read_mesh(file);
     ASSERT_TRUE(again.reference);
     EXPECT_EQ(again.reference->code, 32633);
+    EXPECT_EQ(std::filesystem::exists(folder / "a.prj"), ending != ".ply" && ending != ".glb");
     std::filesystem::remove(folder / "a.prj");
-    if (ending == ".ply" || ending == ".glb") EXPECT_TRUE(read_mesh(file).reference);
   }
+}
+
+TEST(Reference, FilesOfOtherDataNeitherCountNorChange) {
+  const Folder folder;
+  const std::string other = "EPSG:32633\n";
+  folder.put("a.prj", other);
+  PointSet points = made_points(8);
+  TriangleMesh mesh = made_mesh();
+  const auto remark = [&](const std::string& name) { return io::system_remark(folder / name, points.reference.get()); };
+  write_points(folder / "a.ply", points), write_mesh(folder / "a.glb", mesh);
+  EXPECT_FALSE(read_points(folder / "a.ply").reference);
+  EXPECT_FALSE(read_mesh(folder / "a.glb").reference);
+  EXPECT_EQ(remark("a.ply"), "");
+  EXPECT_NE(remark("a.xyz").find("a.prj beside it states a reference system (WGS 84 / UTM zone 33N"),
+            std::string::npos);
+  points.reference = system_of_text("EPSG:32633");
+  EXPECT_EQ(remark("a.xyz"), "");
+  points.reference = mesh.reference = system_of_text(kFeet);
+  write_points(folder / "a.ply", points), write_points(folder / "a.xyz", points), write_mesh(folder / "a.obj", mesh);
+  EXPECT_EQ(slurp(folder / "a.prj"), other);
+  EXPECT_NE(remark("a.xyz").find("a.prj beside it states another reference system"), std::string::npos);
+  EXPECT_EQ(remark("b.xyz"), "");
+}
+
+TEST(Reference, SystemsWithoutTextAreReportedAsLost) {
+  const auto code = system_of_text("EPSG:2193");
+  const std::vector<std::uint16_t> own = {1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9001};
+  const auto keys = system_of_keys(own, {}, {});
+  for (const char* const file : {"a.obj", "a.stl", "a.xyz.gz"})
+    EXPECT_NE(io::system_remark(file, code.get()).find("cannot hold the reference system (EPSG:2193, unit unknown)"),
+              std::string::npos);
+  for (const char* const file : {"a.las", "a.laz", "a.ply", "a.glb"}) {
+    EXPECT_EQ(io::system_remark(file, code.get()), "");
+    EXPECT_EQ(io::system_remark(file, keys.get()).empty(), std::string(file).starts_with("a.la")) << file;
+  }
+  EXPECT_EQ(io::system_remark("a.obj", nullptr), "");
 }
 
 TEST(Reference, LasKeepsKeysAndCodes) {
@@ -81,6 +117,18 @@ TEST(Reference, LasWithoutRoomForWktHasKeys) {
     EXPECT_EQ(slurp(folder / "a.las")[6] & 16, length == 10 ? 16 : 0);
   }
   EXPECT_EQ(read_points(folder / "a.las").reference->code, 2056);
+}
+
+TEST(Reference, LasReportsRecordsInAnUnknownForm) {
+  const Folder folder;
+  PointSet points = made_points(8);
+  points.reference = system_of_text(kFeet);
+  write_points(folder / "a.las", points);
+  std::string bytes = slurp(folder / "a.las");
+  bytes.replace(bytes.find("PROJCS"), 6, "NO_WKT");
+  ReadReport report;
+  EXPECT_FALSE(read_points(folder.put("a.las", bytes), &report).reference);
+  EXPECT_EQ(report.unread, std::vector<std::string>{"a reference system in an unknown form"});
 }
 
 TEST(Reference, DifferentSystemsAreNotReadAsOne) {

@@ -48,6 +48,7 @@ void run_align(const AlignArguments& a, Console& console) {
     a.output.picture.write(a.output.preview, draw_alignment(made, look, progress), look);
   }
   progress.begin("write");
+  if (!output.empty()) warn_of_system(output, made.moved.reference.get(), console);
   if (!output.empty() && points) {
     const PointSet cloud = vertices_of(std::move(made.moved));
     warn_of_losses(moving_file, moving.read, output, cloud, console);

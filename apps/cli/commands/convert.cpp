@@ -153,8 +153,9 @@ void run_convert(const ConvertArguments& a, Console& console) {
   progress.begin("write");
   std::vector<ConvertedFile> outputs;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    write_converted(files[k], parts[k], a.ascii);
     const bool mesh = parts[k].is_mesh;
+    if (k == 0) warn_of_system(files[k], (mesh ? parts[k].mesh.reference : parts[k].points.reference).get(), console);
+    write_converted(files[k], parts[k], a.ascii);
     outputs.push_back({files[k], parts[k].size(), value_if(mesh, parts[k].mesh.triangles.size())});
   }
   console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));

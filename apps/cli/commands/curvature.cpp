@@ -47,6 +47,7 @@ void run_curvature(const CurvatureArguments& a, Console& console) {
   MapPicture preview;
   if (!a.preview.empty()) preview = draw_curvature(made, a.options, a.picture.chosen(), progress);
   progress.begin("write");
+  warn_of_system(a.output, made.points.reference.get(), console);
   if (r.mesh && is_written(a.output, "mesh")) {
     const TriangleMesh mesh = to_mesh(made.points);
     warn_of_losses(name, read, a.output, mesh, console);

@@ -9,6 +9,7 @@
 #include "cli/line/commands.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
+#include "cli/report/mesh_words.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -32,6 +33,7 @@ void run_normals(const NormalsArguments& a, Console& console) {
   const NormalsResult made = naming(name, console, [&] { return normals(std::move(given), a.options, progress); });
   console.note(name, made.notes);
   progress.begin("write");
+  warn_of_system(a.output, made.points.reference.get(), console);
   write_points(a.output, made.points, {.ascii = a.ascii});
   console.report(a.input.report(read, made.points.size()), "input");
   console.report(made.report);

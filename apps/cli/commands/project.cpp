@@ -10,6 +10,7 @@
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "cli/line/surface_options.h"
+#include "cli/report/mesh_words.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -41,6 +42,7 @@ void run_project(const ProjectArguments& a, Console& console) {
   const ProjectResult made = project(std::move(given), options, progress);
   console.note(input.name(), made.notes);
   progress.begin("write");
+  warn_of_system(a.output, made.points.reference.get(), console);
   write_points(a.output, made.points, {.ascii = a.ascii});
   console.report(input.report(read, count), "input");
   console.report(made.report);

@@ -73,6 +73,7 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
   const RenderOptions look = picture.chosen();
   if (!preview.empty()) image = render_mesh(mesh, look, progress);
   progress.begin("write");
+  warn_of_system(file, mesh.reference.get(), console);
   write_mesh(file, mesh, {.ascii = ascii});
   if (!preview.empty()) picture.write(preview, image, look);
   report_mesh(file, mesh, console);

@@ -5,6 +5,7 @@
 
 #include "cli/line/command_line.h"
 #include "sansmesh/io/formats.h"
+#include "sansmesh/io/reference_text.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -40,6 +41,10 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
                     Console& console) {
   warn_of(input, read, output, left_out(output, points), console);
+}
+
+void warn_of_system(const std::string& output, const ReferenceSystem* system, Console& console) {
+  if (const std::string remark = io::system_remark(output, system); !remark.empty()) console.warn(output, {remark});
 }
 
 void report_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key) {

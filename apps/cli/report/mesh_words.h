@@ -29,6 +29,9 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
                     Console& console);
 
+/// Warns if the file to be written cannot hold the reference system, or a file .prj beside it states another one.
+void warn_of_system(const std::string& output, const ReferenceSystem* system, Console& console);
+
 /// Reports a written mesh. Ends the stage of the progress.
 void report_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key = "output");
 /// "a.ply: 1,234 triangles, 620 vertices in 1 component, closed".

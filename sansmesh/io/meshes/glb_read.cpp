@@ -171,7 +171,7 @@ class GlbReader {
       if (found == at->end()) return nullptr;
       at = &*found;
     }
-    return at->is_string() ? system_of_text(at->get_ref<const std::string&>()) : nullptr;
+    return at->is_string() ? system_of_line(at->get_ref<const std::string&>()) : nullptr;
   }
 
   static bool is_triangles(std::size_t mode) { return mode >= kGltfTriangles && mode <= kGltfFan; }

@@ -29,7 +29,7 @@ PointSet read_las(const Input& in) {
   const LasHeader header = read_las_header(in);
   const auto points_of = [&](std::span<const char> records, std::span<const char> all) {
     PointSet points = records.empty() ? PointSet{} : decode_las_points(in, header, records, all);
-    points.reference = las_reference(header);
+    points.reference = las_reference(in, header);
     return points;
   };
   if (header.compressed) return points_of(laz::read_laz_records(in, header).span(), {});

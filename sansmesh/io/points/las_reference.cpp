@@ -57,9 +57,14 @@ std::vector<std::uint16_t> keys_of_codes(const ReferenceSystem& s) {
   return keys;
 }
 
-}  // namespace
+/// Whether a record has more than padding.
+bool states_something(const LasVlr* text, const LasVlr* keys) {
+  const auto is_padding = [](char c) { return c == '\0' || c == ' ' || c == '\n'; };
+  return (text && !std::all_of(text->payload.begin(), text->payload.end(), is_padding)) ||
+         (keys && keys->payload.size() >= 8 && load<std::uint16_t>(&keys->payload[6]) > 0);
+}
 
-SharedSystem las_reference(const LasHeader& header) {
+SharedSystem stated_system(const LasHeader& header) {
   const auto text_of = [&](std::string_view user) {
     const LasVlr* const vlr = header.find(user, kWktRecord);
     return vlr ? vlr->payload : std::string_view();
@@ -71,6 +76,15 @@ SharedSystem las_reference(const LasHeader& header) {
   return system_of_keys(numbers_of<std::uint16_t>(header.find(kProjection, kKeys)),
                         numbers_of<double>(header.find(kProjection, kDoubles)),
                         ascii ? ascii->payload : std::string_view(), system_of_text(text) ? text : older);
+}
+
+}  // namespace
+
+SharedSystem las_reference(const Input& in, const LasHeader& header) {
+  SharedSystem system = stated_system(header);
+  if (!system && states_something(header.find(kProjection, kWkt), header.find(kProjection, kKeys)))
+    in.unread("a reference system in an unknown form");
+  return system;
 }
 
 std::vector<std::string> las_reference_records(const ReferenceSystem& system, bool wide) {

@@ -12,8 +12,8 @@ namespace sansmesh::inline v1::io {
 /// Number of the record of WKT.
 inline constexpr std::uint16_t kWktRecord = 2112;
 
-/// The system that the records state; null if they state none.
-SharedSystem las_reference(const LasHeader& header);
+/// The system that the records state; null if they state none. Reports records that are not understood.
+SharedSystem las_reference(const Input& in, const LasHeader& header);
 
 /// Records that state a system. `wide`: for LAS 1.4, where WKT is preferred. GeoTIFF keys are those of the file that
 /// was read, or state the codes.
