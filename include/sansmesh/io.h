@@ -66,13 +66,13 @@ SANSMESH_API bool is_read(const std::string& file);
 
 /// Reads several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. Names may be
 /// folders (their files of one format, in the order of names), patterns ("tiles/*.las") and lists of files (ending
-/// .lst, .list or .txt, a name per line). All positions refer to one origin, that of a file with all points. The
-/// attributes are those of all files; if a file lacks one, or has it with another type than the first file that has it,
-/// the values of its points are unknown (NaN, or 0 for integers). Normals and colours are left out, with a warning,
-/// unless all files have them. Scanner positions are kept, and are unknown for points of files without them. Faces of
-/// meshes are kept. Coincident points of different files are all kept. Warnings begin with the name of their file.
-/// Files without points in the box of the options are left out. Throws FileError as read_points, and if only some of
-/// the files have faces; ArgumentError if there are no files.
+/// .lst, .list or .txt, a name per line). A file that is named twice is read once. All positions refer to one origin,
+/// that of a file with all points. The attributes are those of all files; if a file lacks one, or has it with another
+/// type than the first file that has it, the values of its points are unknown (NaN, or 0 for integers). Normals and
+/// colours are left out, with a warning, unless all files have them. Scanner positions are kept, and are unknown for
+/// points of files without them. Faces of meshes are kept. Coincident points of different files are all kept. Warnings
+/// begin with the name of their file. Files without points in the box of the options are left out. Throws FileError as
+/// read_points, and if only some of the files have faces; ArgumentError if there are no files.
 SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr,
                                   const ReadOptions& options = {});
 
