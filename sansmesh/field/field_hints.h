@@ -1,4 +1,4 @@
-// What some fields know beyond their values. A ScalarField offers it by a further base class.
+// Further knowledge of some fields. A ScalarField offers it by a further base class.
 #pragma once
 
 #include <cstdint>

@@ -177,7 +177,7 @@ double MeanSquare(const LocalSamples& samples, const Vec3f (&axes)[3], const flo
     const V8 x = hn::LoadU(d, samples.u() + i), y = hn::LoadU(d, samples.v() + i), z = hn::LoadU(d, samples.w() + i);
     const V8 u = Dot(x, y, z, axes[0]), v = Dot(x, y, z, axes[1]);
     V8 g = hn::Set(d, c[0]);
-    V8 power[kDegree + 1];  // of degree k: uᵏ, uᵏ⁻¹ v, …, vᵏ
+    V8 power[kDegree + 1];  // monomials of degree k: uᵏ, uᵏ⁻¹ v, …, vᵏ
     power[0] = hn::Set(d, 1.0f);
     for (std::size_t k = 1, at = 1; k <= kDegree; ++k) {
       power[k] = hn::Mul(power[k - 1], v);

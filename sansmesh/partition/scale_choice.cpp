@@ -229,7 +229,7 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   for (int l = 0; l <= choice.finest; ++l) work += fitter.tree.level(l).size();
   progress.begin("fit", work);
   choice.trials.assign(levels, {});
-  // Of all blocks, tried without noise: of a part they are tried again.
+  // A pilot's blocks are tried again, and noisy ones are fitted again.
   choice.kept_level = wanted || fitter.height > 0 ? -1 : choice.finest;
   choice.kept.assign(choice.kept_level < 0 ? 0 : fitter.tree.level(choice.finest).size(), {});
   for (std::size_t l = levels; l-- > 0;) {

@@ -54,7 +54,7 @@ struct Leaf {
 /// Trial fits of all blocks with samples, on all levels, and the resulting choices.
 struct ScaleChoice : ScaleBasis {
   std::vector<std::vector<Trial>> trials;  ///< by level and cell
-  std::vector<KeptFit> kept;               ///< of the cells of level `kept_level`, which has most of the blocks
+  std::vector<KeptFit> kept;               ///< by cell of level `kept_level`, which has most of the blocks
   int kept_level = -1;
   std::vector<Leaf> leaves;  ///< in Morton order
 };

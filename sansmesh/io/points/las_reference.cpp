@@ -82,7 +82,7 @@ SharedSystem stated_system(const LasHeader& header) {
 
 SharedSystem las_reference(const Input& in, const LasHeader& header) {
   SharedSystem system = stated_system(header);
-  if (!system && states_something(header.find(kProjection, kWkt), header.find(kProjection, kKeys)))
+  if (!system && states_something(header.find(kProjection, kWktRecord), header.find(kProjection, kKeys)))
     in.unread("a reference system in an unknown form");
   return system;
 }
