@@ -252,8 +252,7 @@ void SumSources(const FarTree& tree, FarSums sums, bool gradient, std::size_t co
   }
 }
 
-/// Σ ⟨p − x, a⟩ / r³, or / r⁶ with Σ area / r⁵, without moments and transitions.
-template <bool kOpenSurface>
+/// Σ ⟨p − x, a⟩ / r³ without moments and transitions.
 void SumRoughlyT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   constexpr std::size_t kLanes = 16, kStack = 256;
   const hn::CappedTag<float, kLanes> d;
@@ -265,7 +264,7 @@ void SumRoughlyT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   HWY_ALIGN float shares[kStack][kLanes];  // 1 for the points that look at the item
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), quarter = hn::Set(d, 0.25f), least = hn::Set(d, 1e-12f);
   const V p[3] = {hn::LoadU(d, batch.x[0] + begin), hn::LoadU(d, batch.x[1] + begin), hn::LoadU(d, batch.x[2] + begin)};
-  V sum = zero, bound = zero;
+  V sum = zero;
   std::size_t top = 1;
   stack[0] = {static_cast<std::uint32_t>(tree.levels.size() - 1), 0};
   hn::Store(one, d, shares[0]);
@@ -293,18 +292,15 @@ void SumRoughlyT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
       const V root = pn::ReciprocalSqrt(hn::Max(r2, least));
       const V along =
           pn::MulAdd(x, hn::Set(d, o.ax[k]), pn::MulAdd(y, hn::Set(d, o.ay[k]), hn::Mul(z, hn::Set(d, o.az[k]))));
-      const V square = hn::Mul(root, root), cube = hn::Mul(root, square);
-      sum = pn::MulAdd(hn::Mul(share, along), kOpenSurface ? hn::Mul(cube, cube) : cube, sum);
-      if (kOpenSurface) bound = pn::MulAdd(hn::Mul(share, hn::Set(d, o.area[k])), hn::Mul(cube, square), bound);
+      sum = pn::MulAdd(hn::Mul(share, along), hn::Mul(root, hn::Mul(root, root)), sum);
     }
   }
   hn::StoreU(sum, d, batch.sum[0] + begin);
-  hn::StoreU(bound, d, batch.sum[1] + begin);
 }
 
-void SumRoughly(const FarTree& tree, bool open, std::size_t count, FarBatch& batch) {
+void SumRoughly(const FarTree& tree, std::size_t count, FarBatch& batch) {
   const std::size_t lanes = hn::Lanes(hn::CappedTag<float, 16>());
-  for (std::size_t i = 0; i < count; i += lanes) (open ? SumRoughlyT<true> : SumRoughlyT<false>)(tree, batch, i);
+  for (std::size_t i = 0; i < count; i += lanes) SumRoughlyT(tree, batch, i);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -320,8 +316,8 @@ void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t c
   HWY_DYNAMIC_DISPATCH(SumSources)(tree, sums, gradient, count, batch);
 }
 
-void sum_roughly(const FarTree& tree, bool open, std::size_t count, FarBatch& batch) {
-  HWY_DYNAMIC_DISPATCH(SumRoughly)(tree, open, count, batch);
+void sum_roughly(const FarTree& tree, std::size_t count, FarBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(SumRoughly)(tree, count, batch);
 }
 
 }  // namespace sansmesh::inline v1

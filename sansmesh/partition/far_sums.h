@@ -20,8 +20,7 @@ enum class FarSums { winding, closed, open };
 /// number has none.
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch);
 
-/// Computes FarBatch::sum[0] roughly, of a winding number or for open surfaces: a group beyond 1.5 of its radius counts
-/// as one patch. sum[1] becomes a bound of it for open surfaces: area / r⁵.
-void sum_roughly(const FarTree& tree, bool open, std::size_t count, FarBatch& batch);
+/// Computes FarBatch::sum[0] of a winding number roughly: a group beyond 1.5 of its radius counts as one patch.
+void sum_roughly(const FarTree& tree, std::size_t count, FarBatch& batch);
 
 }  // namespace sansmesh::inline v1

@@ -86,9 +86,8 @@ void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const 
 }
 
 constexpr float kWhole = 4 * std::numbers::pi_v<float>;
-/// Rough winding numbers decide if they differ by this from 1/2; rough mean distances if they exceed this share of the
-/// mean distance from the patches.
-constexpr float kClearWinding = 0.25f, kClearDistance = 0.65f;
+/// Rough winding numbers decide if they differ by this from 1/2.
+constexpr float kClearWinding = 0.25f;
 
 }  // namespace
 
@@ -104,11 +103,10 @@ void GlobalSign::easy_signs(std::span<const Vec3f> x, std::span<float> signs) co
   std::fill(signs.begin(), signs.end(), 0.0f);
   if (empty()) return;
   for_each_batch(
-      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, open_, n, b); },
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); },
       [&](std::size_t i, const FarBatch& b, std::size_t k) {
-        const float inward = open_ ? b.sum[0][k] : b.sum[0][k] / kWhole - 0.5f;
-        const float least = open_ ? kClearDistance * b.sum[1][k] : kClearWinding;
-        if (std::abs(inward) > least) signs[i] = inward > 0 ? -1.0f : 1.0f;
+        const float over = b.sum[0][k] / kWhole - 0.5f;
+        if (std::abs(over) > kClearWinding) signs[i] = over > 0 ? -1.0f : 1.0f;
       });
 }
 
@@ -194,10 +192,10 @@ void FarField::signed_distance(std::span<const Vec3f> x, std::span<float> values
 }
 
 void FarField::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
-  if (!open.empty() && !closed.empty()) {
-    std::fill(signs.begin(), signs.end(), 0.0f);
+  if (open.empty()) {
+    closed.easy_signs(x, signs);
   } else {
-    (open.empty() ? closed : open).easy_signs(x, signs);
+    std::fill(signs.begin(), signs.end(), 0.0f);
   }
 }
 

@@ -44,7 +44,8 @@ class GlobalSign {
 
   /// Winding number only.
   void winding_number(std::span<const Vec3f> x, std::span<float> values) const;
-  /// Signs of the distances where rough sums leave no doubt, in a fifth of the time: −1 inside, 1 outside, else 0.
+  /// Signs of the distances of closed patches where a rough winding number leaves no doubt, in a fifth of the time: −1
+  /// inside, 1 outside, else 0.
   void easy_signs(std::span<const Vec3f> x, std::span<float> signs) const;
 
  private:
@@ -60,7 +61,7 @@ struct FarField {
 
   void signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients = {}) const;
 
-  /// Like GlobalSign::easy_signs; 0 if there are patches of both kinds.
+  /// Like GlobalSign::easy_signs; 0 if there are open patches, whose sides are rarely clear.
   void easy_signs(std::span<const Vec3f> x, std::span<float> signs) const;
 };
 
