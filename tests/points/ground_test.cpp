@@ -198,7 +198,8 @@ TEST(ClassifyGround, ExistingClassesStay) {
 
 TEST(ClassifyGround, RefusesForeignNumbersAsClasses) {
   PointSet points;
-  for (int i = 0; i < 200; ++i) points.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 0});
+  for (int i = 0; i < 20; ++i)
+    for (int k = 0; k < 10; ++k) points.positions.push_back({static_cast<float>(i), static_cast<float>(k), 0});
   points.attributes.set("class", std::vector<std::int32_t>(points.size(), 300));
   Progress progress;
   EXPECT_THROW(classify_ground(points, progress), DataError);
