@@ -131,14 +131,17 @@ TEST(Reference, LasReportsRecordsInAnUnknownForm) {
   EXPECT_EQ(report.unread, std::vector<std::string>{"a reference system in an unknown form"});
 }
 
+/// Writes points in a system. Returns the path.
+std::string put_in(const Folder& folder, const std::string& name, const std::string& system) {
+  PointSet points = made_points(8);
+  points.reference = system_of_text(system);
+  write_points(folder / name, points);
+  return folder / name;
+}
+
 TEST(Reference, DifferentSystemsAreNotReadAsOne) {
   const Folder folder;
-  PointSet points = made_points(8);
-  const auto put = [&](const std::string& name, const std::string& system) {
-    points.reference = system_of_text(system);
-    write_points(folder / name, points);
-    return folder / name;
-  };
+  const auto put = [&](const std::string& name, const std::string& system) { return put_in(folder, name, system); };
   const std::string a = put("a.las", "EPSG:25832"), b = put("b.las", "EPSG:25833"), c = put("c.las", "");
   const std::string text = expect_file_error(b, "EPSG:25833", [&] { read_merged({a, b}); });
   EXPECT_NE(text.find("ETRS89 / UTM zone 32N (EPSG:25832), unit metre"), std::string::npos) << text;
@@ -150,12 +153,7 @@ TEST(Reference, DifferentSystemsAreNotReadAsOne) {
 
 TEST(Reference, AFileWithoutCodeDoesNotHideDifferentOnes) {
   const Folder folder;
-  PointSet points = made_points(8);
-  const auto put = [&](const std::string& name, const std::string& system) {
-    points.reference = system_of_text(system);
-    write_points(folder / name, points);
-    return folder / name;
-  };
+  const auto put = [&](const std::string& name, const std::string& system) { return put_in(folder, name, system); };
   const std::string unit = put("unit.ply", "LOCAL_CS[\"\",UNIT[\"metre\",1]]"), a = put("a.ply", "EPSG:25832"),
                     b = put("b.ply", "EPSG:25833");
   const SharedSystem common = read_merged({unit, a}).reference;

@@ -7,6 +7,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/ground/local_plane.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -86,19 +87,16 @@ bool is_stray(const PointSet& points, const GroundGrid& grid, std::size_t cell) 
   around(1, [&](const Vec3& p) { least = least && p.z >= 0, above += p.z, ++neighbours; });
   // A cheap test first.
   if (!least || above < kLeastMeanDepth * grid.cell * neighbours) return false;
-  double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-  around(kStrayReach, [&](const Vec3& p) {
-    n += 1, x += p.x, y += p.y, z += p.z, xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y, xz += p.x * p.z,
-        yz += p.y * p.z;
-  });
-  if (n < kStrayMajority) return false;
-  const double cxx = xx - x * x / n, cxy = xy - x * y / n, cyy = yy - y * y / n;
-  const double cxz = xz - x * z / n, cyz = yz - y * z / n, determinant = cxx * cyy - cxy * cxy;
-  if (!(determinant > 0)) return false;
-  const double a = (cxz * cyy - cyz * cxy) / determinant, b = (cyz * cxx - cxz * cxy) / determinant;
+  PlaneSums sums;
+  around(kStrayReach, [&](const Vec3& p) { sums.add(p.x, p.y, p.z, 1); });
+  if (sums.w < kStrayMajority) return false;
+  const PlaneSums::Central c = sums.central();
+  if (!(c.determinant > 0)) return false;
+  const LocalPlane plane = sums.plane(c);
   std::size_t as_low = 0;
-  around(kStrayReach, [&](const Vec3& p) { as_low += p.z - a * p.x - b * p.y < kStrayDepth * grid.cell; });
-  return kStrayMajority * as_low <= static_cast<std::size_t>(n);
+  around(kStrayReach,
+         [&](const Vec3& p) { as_low += p.z - plane.rise_x * p.x - plane.rise_y * p.y < kStrayDepth * grid.cell; });
+  return kStrayMajority * as_low <= static_cast<std::size_t>(sums.w);
 }
 
 /// Removes stray samples below the ground: a cell loses one sample a round, and clusters one cell a round.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/ground/local_plane.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -21,34 +22,24 @@ constexpr double kLeastSpreadOnSide = 0.02;
 /// Rounds of growth. Each adds up to kGrowthReach cells; a roof that touches a slope would be conquered from there.
 constexpr int kGrowthRounds = 8;
 
-/// Weighted sums for a plane.
-struct SideSums {
+/// Samples on a side.
+struct Side {
   int count = 0;
-  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
+  PlaneSums sums;
 
-  void add(const Vec3& p, double weight) {
-    ++count;
-    w += weight, x += weight * p.x, y += weight * p.y, z += weight * p.z;
-    xx += weight * p.x * p.x, xy += weight * p.x * p.y, yy += weight * p.y * p.y;
-    xz += weight * p.x * p.z, yz += weight * p.y * p.z, zz += weight * p.z * p.z;
-  }
-  void add(const SideSums& o) {
-    count += o.count;
-    w += o.w, x += o.x, y += o.y, z += o.z, xx += o.xx, xy += o.xy, yy += o.yy, xz += o.xz, yz += o.yz, zz += o.zz;
-  }
+  void add(const Vec3& p, double weight) { ++count, sums.add(p.x, p.y, p.z, weight); }
+  void add(const Side& o) { count += o.count, sums.add(o.sums); }
 
-  /// Whether the plane passes the origin within the tolerance.
+  /// Whether their plane passes the origin within the tolerance.
   bool passes_origin(const GroundTolerance& tolerance, double cell) const {
     if (count < kFewestOnSide) return false;
-    const double cxx = xx - x * x / w, cxy = xy - x * y / w, cyy = yy - y * y / w;
-    const double determinant = cxx * cyy - cxy * cxy;
-    if (!(determinant > kLeastSpreadOnSide * cxx * cyy)) return false;
-    const double cxz = xz - x * z / w, cyz = yz - y * z / w, czz = zz - z * z / w;
-    const double a = (cxz * cyy - cyz * cxy) / determinant, b = (cyz * cxx - cxz * cxy) / determinant;
-    const double height = (z - a * x - b * y) / w;
-    const double variance = std::max(0.0, czz - a * cxz - b * cyz) / w * count / std::max(1, count - 3);
-    return std::abs(height) <
-           tolerance.cells * cell + tolerance.deviations * std::sqrt(variance) + tolerance.slope * std::hypot(a, b);
+    const PlaneSums::Central c = sums.central();
+    if (!(c.determinant > kLeastSpreadOnSide * c.xx * c.yy)) return false;
+    const LocalPlane plane = sums.plane(c);
+    const double rest = std::max(0.0, c.zz - plane.rise_x * c.xz - plane.rise_y * c.yz);
+    const double variance = rest / sums.w * count / std::max(1, count - 3);
+    return std::abs(plane.height) < tolerance.cells * cell + tolerance.deviations * std::sqrt(variance) +
+                                        tolerance.slope * std::hypot(plane.rise_x, plane.rise_y);
   }
 };
 
@@ -66,7 +57,7 @@ bool continues_ground(const PointSet& points, const GroundGrid& grid, const std:
   const auto column = static_cast<std::ptrdiff_t>(grid.cell_of[sample]) % columns;
   const auto row = static_cast<std::ptrdiff_t>(grid.cell_of[sample]) / columns;
   const Vec3 at(points.positions[sample]);
-  std::array<SideSums, kOctants> octants;
+  std::array<Side, kOctants> octants;
   int count = 0;
   for (std::ptrdiff_t j = -kGrowthReach; j <= kGrowthReach; ++j) {
     if (row + j < 0 || row + j >= rows) continue;
@@ -81,9 +72,9 @@ bool continues_ground(const PointSet& points, const GroundGrid& grid, const std:
   }
   if (count < kFewestOnSide) return false;
   for (std::size_t side = 0; side < kOctants; ++side) {
-    SideSums sums;
-    for (std::size_t k = 0; k < kOctantsOnSide; ++k) sums.add(octants[(side + k) % kOctants]);
-    if (sums.passes_origin(tolerance, grid.cell)) return true;
+    Side all;
+    for (std::size_t k = 0; k < kOctantsOnSide; ++k) all.add(octants[(side + k) % kOctants]);
+    if (all.passes_origin(tolerance, grid.cell)) return true;
   }
   return false;
 }
