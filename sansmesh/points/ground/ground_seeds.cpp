@@ -34,27 +34,48 @@ std::vector<std::uint8_t> halved_centers(const std::vector<std::uint8_t>& center
   return result;
 }
 
-/// Cell of the raster, and whether it consists of several cells of the grid.
-struct RasterCell {
-  std::size_t column, row;
-  bool coarse;
-};
+/// Decreases of the surface by an opening.
+class Decreases {
+ public:
+  Decreases(const HeightRaster& surface, const HeightRaster& open) : surface_(surface), drops_(surface.size()) {
+    for (std::size_t k = 0; k < drops_.size(); ++k) drops_[k] = surface.heights[k] - open.heights[k];  // or NaN
+  }
 
-/// Whether the opening lowers the surface at a sample by more than `drop`. A coarse cell has the height of its lowest
-/// sample: along the edge of a roof, that is the ground. So the sample falls with a neighbouring cell, too, if it is as
-/// high.
-bool falls(const HeightRaster& surface, const HeightRaster& open, const RasterCell& cell, float height, double drop) {
-  const auto falls_at = [&](std::size_t k) { return static_cast<double>(surface.heights[k] - open.heights[k]) > drop; };
-  if (falls_at(cell.row * surface.columns + cell.column)) return true;
-  if (!cell.coarse) return false;
-  for (std::size_t r = cell.row - (cell.row > 0); r <= std::min(surface.rows - 1, cell.row + 1); ++r)
-    for (std::size_t c = cell.column - (cell.column > 0); c <= std::min(surface.columns - 1, cell.column + 1); ++c) {
-      const std::size_t k = r * surface.columns + c;
-      if (falls_at(k) && static_cast<double>(height) > static_cast<double>(surface.heights[k]) - 0.5 * drop)
-        return true;
-    }
-  return false;
-}
+  /// Largest decrease of a cell and its neighbours; 0 where nothing is known.
+  std::vector<float> largest_around() const {
+    const std::size_t columns = surface_.columns, rows = surface_.rows;
+    std::vector<float> of_row(drops_.size(), 0), result(drops_.size(), 0);
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t c = 0; c < columns; ++c) {
+        float& most = of_row[r * columns + c];
+        for (std::size_t k = c - (c > 0); k <= std::min(columns - 1, c + 1); ++k)
+          most = std::max(most, drops_[r * columns + k]);
+      }
+    for (std::size_t r = 0; r < rows; ++r)
+      for (std::size_t j = r - (r > 0); j <= std::min(rows - 1, r + 1); ++j)
+        for (std::size_t c = 0; c < columns; ++c)
+          result[r * columns + c] = std::max(result[r * columns + c], of_row[j * columns + c]);
+    return result;
+  }
+
+  bool falls_at(std::size_t cell, double drop) const { return static_cast<double>(drops_[cell]) > drop; }
+
+  /// Whether a neighbour of a coarse cell falls, and a sample of the cell is as high. A coarse cell has the height of
+  /// its lowest sample: along the edge of a roof, that is the ground.
+  bool falls_with_neighbour(std::size_t column, std::size_t row, float height, double drop) const {
+    for (std::size_t r = row - (row > 0); r <= std::min(surface_.rows - 1, row + 1); ++r)
+      for (std::size_t c = column - (column > 0); c <= std::min(surface_.columns - 1, column + 1); ++c) {
+        const std::size_t k = r * surface_.columns + c;
+        if (falls_at(k, drop) && static_cast<double>(height) > static_cast<double>(surface_.heights[k]) - 0.5 * drop)
+          return true;
+      }
+    return false;
+  }
+
+ private:
+  const HeightRaster& surface_;
+  std::vector<float> drops_;
+};
 
 }  // namespace
 
@@ -72,17 +93,23 @@ std::vector<std::uint8_t> find_ground_seeds(const PointSet& points, const Ground
     seeds[i] = 1;
   });
   const std::vector<float> heights = surface.heights;
-  // `scale` cells of the grid are one of the raster. Heights of removed objects stay lowered for wider windows.
+  // 2^level cells of the grid are one of the raster. Heights of removed objects stay lowered for wider windows.
   std::vector<std::uint8_t> centers = grid.inside;
   const std::size_t most = largest_window(grid);
-  std::size_t scale = 1;
-  for (std::size_t radius = 1; radius * scale <= most; ++radius) {
+  unsigned level = 0;
+  for (std::size_t radius = 1; radius << level <= most; ++radius) {
     const HeightRaster open = opened(surface, radius, centers);
-    const double drop = kSeedSlope * static_cast<double>(radius * scale) * grid.cell;
+    const double drop = kSeedSlope * static_cast<double>(radius << level) * grid.cell;
+    const Decreases decreases(surface, open);
+    const std::vector<float> around = level > 0 ? decreases.largest_around() : std::vector<float>{};
     parallel_for(0, grid.rows, 16, [&](std::size_t r) {
       for (std::size_t c = 0; c < grid.columns; ++c) {
-        const std::size_t i = r * grid.columns + c;
-        if (seeds[i] && falls(surface, open, {c / scale, r / scale, scale > 1}, heights[i], drop + tolerance[i]))
+        const std::size_t i = r * grid.columns + c, k = (r >> level) * surface.columns + (c >> level);
+        // Most cells are far from objects.
+        if (!seeds[i] || (level > 0 && !(static_cast<double>(around[k]) > drop))) continue;
+        const double least = drop + tolerance[i];
+        if (decreases.falls_at(k, least) ||
+            (level > 0 && decreases.falls_with_neighbour(c >> level, r >> level, heights[i], least)))
           seeds[i] = 0;
       }
     });
@@ -92,7 +119,7 @@ std::vector<std::uint8_t> find_ground_seeds(const PointSet& points, const Ground
     const HeightRaster half = halved(surface);
     centers = halved_centers(centers, surface, half);
     surface = half;
-    scale *= 2, radius /= 2;
+    ++level, radius /= 2;
   }
   return seeds;
 }

@@ -91,13 +91,21 @@ void minimum_of_lines(std::vector<float>& z, std::size_t columns, std::size_t ro
       for (std::ptrdiff_t r = first; r < last; ++r) {
         const auto [lower, upper] = inside(r);
         const float* const row = z.data() + r * width + start + slant * r;
-        for (std::ptrdiff_t k = lower; k < upper; ++k) to[(r - first) * kWide + k] = row[k];
+        float* const line = to + (r - first) * kWide;
+        if (lower == 0 && upper == kWide)
+          std::copy_n(row, kWide, line);
+        else
+          std::copy(row + lower, row + upper, line + lower);
       }
       const float* const from = minimum.finish();
       for (std::ptrdiff_t r = first; r < last; ++r) {
         const auto [lower, upper] = inside(r);
         float* const row = z.data() + r * width + start + slant * r;
-        for (std::ptrdiff_t k = lower; k < upper; ++k) row[k] = from[(r - first) * kWide + k];
+        const float* const line = from + (r - first) * kWide;
+        if (lower == 0 && upper == kWide)
+          std::copy_n(line, kWide, row);
+        else
+          std::copy(line + lower, line + upper, row + lower);
       }
     }
   });
