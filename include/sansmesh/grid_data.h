@@ -38,6 +38,10 @@ struct GridBlock {
   std::vector<std::uint64_t> point_numbers;  ///< point numbers in the file; empty: from 0, in order
   CellList cells;  ///< Cells of unstructured blocks. Cells of structured blocks follow from `dims`: cell (i, j, k) has
                    ///< the number i + mx (j + my k) with m = max(1, dims − 1).
+  /// For each of `cells` a number: consecutive cells with the same number are pieces of one cell of the file, because
+  /// cells of higher order and polyhedra are cut. Their rows in `cell_arrays` are equal, and make one sample. Empty:
+  /// all cells are whole.
+  std::vector<std::uint32_t> piece_of;
   /// Flat cells of unstructured blocks without other cells: triangles and quadrilaterals; the fourth corner of
   /// triangles is kNone.
   std::vector<std::array<std::uint32_t, 4>> flat_cells;

@@ -130,6 +130,8 @@ TEST(VtkCells, SolidsAreFilledByPiecesAtAllOfTheirNodes) {
     EXPECT_NEAR(sum, kind.size, 1e-9);
     EXPECT_EQ(used.size(), kind.nodes.size() - kind.unused);
     EXPECT_EQ(number(b.cell_arrays, "cell", n), 1);
+    EXPECT_EQ(b.piece_of.empty(), n == 1);
+    for (std::size_t c = 1; c < b.piece_of.size(); ++c) EXPECT_EQ(b.piece_of[c] == b.piece_of[c - 1], c < n);
     EXPECT_EQ(data.notes.empty(), n == 1);
     for (std::size_t i = 0; i < b.points.size(); ++i) EXPECT_EQ(number(b.point_arrays, "x", i), b.points[i].x);
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "sansmesh/core/matrix3.h"
@@ -9,6 +10,7 @@
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/volume_boundary.h"
+#include "sansmesh/volume/grid/volume_values.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 #include "volume/volume_sizes.h"
@@ -55,6 +57,35 @@ TEST(AssembleVolume, BoundaryEnclosesTheCells) {
       continue;  // faces of different sizes meet there
     for (const auto& [a, b] : edges) ASSERT_EQ(edges.count({b, a}), edges.count({a, b}));
   }
+}
+
+TEST(AssembleVolume, PiecesOfACellShareOneSample) {
+  const auto f = [](const Vec3& x) { return std::sin(3 * x.x) + x.y * x.z; };
+  const auto cut = volume_of(cut_grid({6, 5, 7}, f), Association::cells);
+  const auto lattice = volume_of(lattice_grid({6, 5, 7}, f), Association::cells);
+  ASSERT_EQ(cut->size(), lattice->size());
+  EXPECT_EQ(cut->cells.size(), 6 * cut->size());
+  EXPECT_EQ(cut->facts.cells, lattice->facts.cells);
+  const VolumeValues values = volume_values(*cut, "f");
+  std::vector<std::uint32_t> star, expected;
+  std::map<std::array<long, 3>, std::size_t> there;
+  const auto key = [](const Vec3& x) {
+    return std::array{std::lround(1e6 * x.x), std::lround(1e6 * x.y), std::lround(1e6 * x.z)};
+  };
+  for (std::size_t i = 0; i < lattice->size(); ++i) there[key(lattice->position(i))] = i;
+  for (std::size_t i = 0; i < cut->size(); ++i) {
+    EXPECT_NEAR(values.values[i], f(cut->position(i)), 1e-12);
+    const auto at = there.find(key(cut->position(i)));
+    ASSERT_NE(at, there.end());
+    cut->star(i, star), lattice->star(at->second, expected);
+    EXPECT_EQ(star.size(), expected.size());
+  }
+}
+
+TEST(AssembleVolume, PiecesMustBeNumberedForEachCell) {
+  GridData data = cut_grid({3, 3, 3}, linear_function);
+  data.blocks[0].piece_of.pop_back();
+  EXPECT_THROW(volume_of(data, Association::cells), DataError);
 }
 
 double length_of(const PolylineSet& lines) {

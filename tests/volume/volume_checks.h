@@ -48,6 +48,7 @@ inline std::vector<NamedGrid> all_grids(const VolumeFunction& f) {
   for (auto& [name, data] : grids)
     for (const Association a : {Association::points, Association::cells})
       all.push_back({name + (a == Association::cells ? ", cells" : ""), data, a});
+  all.push_back({"cut hexahedra, cells", cut_grid({6, 5, 7}, f), Association::cells});
   return all;
 }
 

@@ -154,6 +154,23 @@ inline GridData tetrahedra_grid(std::array<std::size_t, 3> n, const VolumeFuncti
   return one_block(tetrahedra_of(lattice_block(n)), f);
 }
 
+/// Hexahedra that a reader has cut into six tetrahedra each. The value of a cell is that at its centre.
+inline GridData cut_grid(std::array<std::size_t, 3> n, const VolumeFunction& f) {
+  const GridBlock whole = lattice_block(n);
+  GridData data = one_block(tetrahedra_of(whole), f);
+  GridBlock& block = data.blocks[0];
+  const CellList hexes = block_cells(whole);
+  std::vector<double> values;
+  for (std::size_t c = 0; c < block.cells.size(); ++c) {
+    block.piece_of.push_back(static_cast<std::uint32_t>(c / 6));
+    Vec3 sum;
+    for (const std::uint32_t p : hexes[c / 6]) sum += block.points[p];
+    values.push_back(f(sum / 8.0));
+  }
+  block.cell_arrays.set("f", std::move(values));
+  return data;
+}
+
 /// Hexahedra, wedges and pyramids side by side: every third hexahedron along x is split into two wedges (with whole
 /// common faces along y), every third into six pyramids around its centre.
 inline GridData mixed_grid(std::array<std::size_t, 3> n, const VolumeFunction& f) {

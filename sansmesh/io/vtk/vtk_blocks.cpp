@@ -196,10 +196,12 @@ void finish_cells(vtkPointSet& set, LinearCells& linear, VtkSink& sink, GridBloc
   block.kind = GridKind::unstructured;
   const bool solid = !linear.cells.empty();
   std::vector<std::uint32_t>& rows = solid ? linear.rows : linear.flat_rows;
-  if (solid)
+  if (solid) {
     block.cells = std::move(linear.cells);
-  else
+    if (std::adjacent_find(rows.begin(), rows.end()) != rows.end()) block.piece_of = rows;
+  } else {
     block.flat_cells = std::move(linear.flat_cells);
+  }
   bool same = rows.size() == cells;
   for (std::size_t i = 0; i < rows.size() && same; ++i) same = rows[i] == i;
   const std::vector<std::uint32_t>* const taken = same ? nullptr : &rows;

@@ -365,20 +365,21 @@ void set_cell_samples(const GridData& data, const std::vector<std::size_t>& orde
     if (number[p] != kUnused) volume.corners[number[p]] = gathered.points[p];
   volume.cells = std::move(gathered.cells);
   for (std::uint32_t& p : volume.cells.corners) p = number[p];
-  // The pieces of one cell are consecutive and share its sample.
+  // The pieces of one cell share its sample, whether the reader cut it or a repair.
   std::vector<std::uint32_t> rows;
+  std::vector<std::uint32_t> sample_of(std::max<std::size_t>(gathered.cell_row.size(), gathered.wholes), kUnused);
   std::vector<std::uint16_t> blocks;
   volume.cell_sample.resize(volume.cells.size());
-  std::uint32_t before = kUnused;
   for (std::size_t c = 0; c < volume.cells.size(); ++c) {
     const std::uint32_t from = source.empty() ? static_cast<std::uint32_t>(c) : source[c];
-    if (from != before) {
-      before = from;
+    std::uint32_t& sample = sample_of[gathered.cell_whole.empty() ? from : gathered.cell_whole[from]];
+    if (sample == kUnused) {
+      sample = static_cast<std::uint32_t>(volume.positions.size());
       rows.push_back(gathered.cell_row[from]);
       if (!gathered.cell_block.empty()) blocks.push_back(gathered.cell_block[from]);
       volume.positions.push_back(gathered.centers[from]);
     }
-    volume.cell_sample[c] = static_cast<std::uint32_t>(volume.positions.size() - 1);
+    volume.cell_sample[c] = sample;
   }
   volume.attributes = rows_of_blocks(data, order, true, blocks, rows);
   volume.block = std::move(blocks);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
+#include "sansmesh/volume/cells/cell_geometry.h"
 #include "sansmesh/volume/grid/block_order.h"
 #include "sansmesh/volume/grid/flat_cells.h"
 #include "sansmesh/volume/grid/grid_blocks.h"
@@ -31,12 +33,13 @@ void each_flat_cell(const GridBlock& b, const Visit& visit) {
 /// Appends one block to the lists.
 class BlockGatherer {
  public:
-  BlockGatherer(const GridBlock& block, std::size_t number, bool many, bool centers, GatheredCells& out,
+  BlockGatherer(const GridBlock& block, std::size_t number, bool many, bool centers, bool cut, GatheredCells& out,
                 std::vector<FlatCell>& flat, VolumeFacts& facts)
       : b_(block),
         number_(static_cast<std::uint16_t>(number)),
         many_(many),
         centers_(centers),
+        cut_(cut),
         out_(out),
         flat_(flat),
         facts_(facts),
@@ -44,6 +47,7 @@ class BlockGatherer {
 
   void run() {
     add_points();
+    if (cut_) number_wholes();
     if (!is_structured(b_))
       b_.cells.empty() ? add_flat_cells() : add_cells();
     else if (layers_of(b_) == 0)
@@ -71,6 +75,15 @@ class BlockGatherer {
       out_.point_row.push_back(static_cast<std::uint32_t>(i));
       if (many_) out_.point_block.push_back(number_);
       out_.joinable.push_back(!is_structured(b_) || many_ || on_side(i));
+    }
+  }
+
+  /// Numbers the cells of the file: runs of equal numbers in piece_of.
+  void number_wholes() {
+    whole_of_.resize(cell_count_of(b_));
+    for (std::size_t c = 0; c < whole_of_.size(); ++c) {
+      const bool continues = c > 0 && !b_.piece_of.empty() && b_.piece_of[c] == b_.piece_of[c - 1];
+      whole_of_[c] = continues ? out_.wholes - 1 : out_.wholes++;
     }
   }
 
@@ -102,6 +115,7 @@ class BlockGatherer {
     out_.cells.add(shape, std::span(corners).first(points.size()));
     out_.cell_row.push_back(static_cast<std::uint32_t>(row));
     if (many_) out_.cell_block.push_back(number_);
+    if (cut_) out_.cell_whole.push_back(whole_of_[row]);
     if (centers_) out_.centers.push_back(sum / static_cast<double>(points.size()));
   }
 
@@ -139,24 +153,50 @@ class BlockGatherer {
 
   const GridBlock& b_;
   std::uint16_t number_;
-  bool many_, centers_;
+  bool many_, centers_, cut_;
   GatheredCells& out_;
   std::vector<FlatCell>& flat_;
   VolumeFacts& facts_;
   BlockRows rows_;
   std::vector<std::uint8_t> usable_;      ///< per row
   std::vector<std::uint32_t> number_of_;  ///< per row: index in the list of all points
+  std::vector<std::uint32_t> whole_of_;   ///< per row of cells: number of the file's cell, if any block has cut cells
 };
+
+/// Moves the centers of the pieces of one cell to the mean of these centers, weighted by volume.
+void join_centers(GatheredCells& g) {
+  struct Mean {
+    Vec3 sum, plain;
+    double volume = 0, count = 0;
+  };
+  std::vector<Mean> means(g.wholes);
+  for (std::size_t c = 0; c < g.centers.size(); ++c) {
+    const std::size_t w = g.cell_whole[c];
+    std::array<Vec3, 8> x;
+    const auto corners = g.cells[c];
+    for (std::size_t k = 0; k < corners.size(); ++k) x[k] = g.points[corners[k]] - g.points[corners[0]];
+    const double volume = std::abs(cell_volume(g.cells.shapes[c], std::span(x).first(corners.size())));
+    means[w].sum += g.centers[c] * volume, means[w].volume += volume;
+    means[w].plain += g.centers[c], means[w].count += 1;
+  }
+  for (std::size_t c = 0; c < g.centers.size(); ++c) {
+    const Mean& m = means[g.cell_whole[c]];
+    if (m.count == 1) continue;
+    const Vec3 center = m.sum / m.volume;
+    g.centers[c] = is_finite(center) ? center : m.plain / m.count;
+  }
+}
 
 }  // namespace
 
 GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>& order, bool centers,
                            VolumeFacts& facts) {
   facts.blocks = data.blocks.size();
-  bool solid = false;
+  bool solid = false, cut = false;
   for (const GridBlock& b : data.blocks) {
     facts.points += point_count_of(b);
-    facts.cells += cell_count_of(b);
+    facts.cells += whole_count_of(b);
+    cut = cut || !b.piece_of.empty();
     solid = solid || is_solid(b);
   }
   GatheredCells gathered;
@@ -164,8 +204,9 @@ GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>&
   for (const std::size_t b : order) {
     const GridBlock& block = data.blocks[b];
     if (block.kind == GridKind::scattered || point_count_of(block) == 0 || (solid && !is_solid(block))) continue;
-    BlockGatherer(block, b, data.blocks.size() > 1, centers, gathered, flat, facts).run();
+    BlockGatherer(block, b, data.blocks.size() > 1, centers, cut, gathered, flat, facts).run();
   }
+  if (!gathered.cell_whole.empty() && centers) join_centers(gathered);
   if (!flat.empty()) thicken(flat, centers, gathered, facts);
   return gathered;
 }

@@ -18,6 +18,9 @@ struct GatheredCells {
   CellList cells;
   std::vector<std::uint32_t> cell_row;    ///< row in its block
   std::vector<std::uint16_t> cell_block;  ///< as above
+  /// Number from 0 that the pieces of one cell of the file share; empty if all cells are whole.
+  std::vector<std::uint32_t> cell_whole;
+  std::uint32_t wholes = 0;  ///< count of these numbers
   /// Position of each cell's value; only if requested.
   std::vector<Vec3> centers;
 };

@@ -34,6 +34,8 @@ void check_block(const GridBlock& b, std::size_t number) {
     fail("the point flags do not have one row per point");
   if (!b.hidden_cells.empty() && b.hidden_cells.size() != cell_count_of(b))
     fail("the cell flags do not have one row per cell");
+  if (!b.piece_of.empty() && b.piece_of.size() != b.cells.size())
+    fail("the numbers of cut cells do not have one row per cell");
   for (const Attribute& a : b.point_arrays)
     if (a.rows() != points) fail("array '" + printable(a.name, 60) + "' does not have one row per point");
   for (const Attribute& a : b.cell_arrays)
@@ -53,6 +55,12 @@ std::size_t cell_count_of(const GridBlock& b) {
   std::size_t product = 1;
   for (const std::size_t n : dims_of(b)) product *= std::max<std::size_t>(1, n - 1);
   return product;
+}
+
+std::size_t whole_count_of(const GridBlock& b) {
+  std::size_t count = cell_count_of(b);
+  for (std::size_t c = 1; c < b.piece_of.size(); ++c) count -= b.piece_of[c] == b.piece_of[c - 1];
+  return count;
 }
 
 bool is_solid(const GridBlock& b) {

@@ -19,6 +19,8 @@ inline std::array<std::size_t, 3> dims_of(const GridBlock& b) {
 std::size_t point_count_of(const GridBlock& b);
 /// Flat cells count if there are no others.
 std::size_t cell_count_of(const GridBlock& b);
+/// The same, with the pieces of one cell of the file counted once.
+std::size_t whole_count_of(const GridBlock& b);
 /// Number of axes of a structured block with only one point.
 inline std::size_t layers_of(const GridBlock& b) {
   const auto n = dims_of(b);

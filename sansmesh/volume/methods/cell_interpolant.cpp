@@ -64,6 +64,7 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   for (const std::uint32_t face : open_faces(volume.cells, corners))
     for (const std::uint32_t p : ring_of_face(volume.cells, face)) outer_[p] = 1;
   at_corners_.resize(corners * n);
+  find_hulls();
   parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> samples;
     std::vector<Vec3> locations;
@@ -98,48 +99,77 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   });
 }
 
+void CellInterpolant::find_hulls() {
+  if (volume_.cells.size() <= volume_.positions.size()) return;
+  const Adjacency pieces = cells_of_samples(volume_);
+  const std::vector<std::uint32_t> beyond = face_neighbours(volume_.cells, volume_.corners.size());
+  hulls_.first.reserve(pieces.size() + 1);
+  for (std::size_t s = 0; s < pieces.size(); ++s) {
+    if (pieces[s].size() > 1)
+      for (const std::uint32_t cell : pieces[s])
+        for (std::size_t f = 0; f < cell_faces(volume_.cells.shapes[cell]).size(); ++f) {
+          const auto slot = static_cast<std::uint32_t>(kMostFaces * cell + f);
+          if (beyond[slot] == kNoCell || volume_.cell_sample[beyond[slot]] != s) hulls_.entries.push_back(slot);
+        }
+    hulls_.first.push_back(hulls_.entries.size());
+  }
+}
+
+/// Tetrahedron between a sample, a face centre or corner, and two corners of the face.
+struct CellInterpolant::Wedge {
+  double least = -std::numeric_limits<double>::infinity();  ///< smallest barycentric coordinate of the query point
+  Vec3 share;  ///< weights of the face centre or third corner, of the first and of the second corner
+  Matrix3 edges{{}, {}, {}};
+  FaceRing ring;
+  std::size_t side = 0;
+};
+
+/// Replaces `best` by a tetrahedron of a face that contains the point at `d` from the sample, or violates least.
+void CellInterpolant::try_face(std::uint32_t slot, const Vec3& tip, const Vec3& d, Wedge& best) const {
+  const FaceRing ring = ring_of_face(volume_.cells, slot);
+  std::array<Vec3, 4> at;
+  Vec3 middle;
+  for (std::size_t k = 0; k < ring.count; ++k) {
+    at[k] = volume_.corner(ring.points[k]) - tip;
+    middle += at[k] * 0.25;
+  }
+  for (std::size_t k = 0; k < (ring.count == 4 ? 4u : 1u); ++k) {
+    const Matrix3 m{ring.count == 4 ? middle : at[2], at[k], at[(k + 1) % ring.count]};
+    const Vec3 u = m.solve(d);
+    if (!is_finite(u)) continue;
+    const double least = std::min({u.x, u.y, u.z, 1 - u.x - u.y - u.z});
+    if (least > best.least) best = {least, u, m, ring, k};
+  }
+}
+
 void CellInterpolant::evaluate(const CellLocation& location, const Vec3& x, std::span<double> values,
                                std::span<Vec3> gradients) const {
   const std::uint32_t sample = volume_.cell_sample[location.cell];
   const Vec3 tip = volume_.positions[sample], d = x - tip;
-  const auto corners = volume_.cells[location.cell];
-  const auto faces = cell_faces(volume_.cells.shapes[location.cell]);
-  // The tetrahedron that contains x, or the one with the smallest violation.
-  double best = -std::numeric_limits<double>::infinity();
-  Vec3 share;  // weights of the face centre or third corner, of the first and of the second corner
-  Matrix3 edges{{}, {}, {}};
-  std::size_t face = 0, side = 0;
-  for (std::size_t f = 0; f < faces.size() && !(best >= 0); ++f) {
-    std::array<Vec3, 4> ring;
-    Vec3 middle;
-    const std::size_t count = faces[f].count;
-    for (std::size_t k = 0; k < count; ++k) {
-      ring[k] = volume_.corner(corners[faces[f].corner[k]]) - tip;
-      middle += ring[k] * 0.25;
-    }
-    for (std::size_t k = 0; k < (count == 4 ? 4u : 1u); ++k) {
-      const Matrix3 m{count == 4 ? middle : ring[2], ring[k], ring[(k + 1) % count]};
-      const Vec3 u = m.solve(d);
-      if (!is_finite(u)) continue;
-      const double least = std::min({u.x, u.y, u.z, 1 - u.x - u.y - u.z});
-      if (least > best) best = least, share = u, edges = m, face = f, side = k;
-    }
+  Wedge best;
+  if (!hulls_.entries.empty() && !hulls_[sample].empty()) {
+    for (const std::uint32_t slot : hulls_[sample])
+      if (!(best.least >= 0)) try_face(slot, tip, d, best);
+  } else {
+    const std::size_t faces = cell_faces(volume_.cells.shapes[location.cell]).size();
+    for (std::size_t f = 0; f < faces && !(best.least >= 0); ++f)
+      try_face(static_cast<std::uint32_t>(kMostFaces * location.cell + f), tip, d, best);
   }
   const std::size_t n = values_.components;
   const auto own = values_.of(sample);
-  if (!std::isfinite(best)) {
+  if (!std::isfinite(best.least)) {
     std::copy(own.begin(), own.end(), values.begin());
     std::fill(gradients.begin(), gradients.end(), Vec3{});
     return;
   }
-  const CellFace& f = faces[face];
-  const auto at = [&](std::size_t k, std::size_t c) { return at_corners_[corners[f.corner[k % f.count]] * n + c]; };
+  const FaceRing& ring = best.ring;
+  const auto at = [&](std::size_t k, std::size_t c) { return at_corners_[ring.points[k % ring.count] * n + c]; };
   for (std::size_t c = 0; c < n; ++c) {
-    const double middle = (f.count == 4 ? (at(0, c) + at(1, c) + at(2, c) + at(3, c)) / 4 : at(2, c)) - own[c];
-    const Vec3 rise{middle, at(side, c) - own[c], at(side + 1, c) - own[c]};
-    values[c] = own[c] + dot(rise, share);
+    const double middle = (ring.count == 4 ? (at(0, c) + at(1, c) + at(2, c) + at(3, c)) / 4 : at(2, c)) - own[c];
+    const Vec3 rise{middle, at(best.side, c) - own[c], at(best.side + 1, c) - own[c]};
+    values[c] = own[c] + dot(rise, best.share);
     if (!gradients.empty()) {
-      const Vec3 g = edges.solve_transposed(rise);
+      const Vec3 g = best.edges.solve_transposed(rise);
       gradients[c] = is_finite(g) ? g : Vec3{};
     }
   }

@@ -35,10 +35,15 @@ class CellInterpolant {
   }
 
  private:
+  struct Wedge;
+  void find_hulls();
+  void try_face(std::uint32_t slot, const Vec3& tip, const Vec3& d, Wedge& best) const;
+
   const SampledVolume& volume_;
   const VolumeValues& values_;
   std::vector<double> at_corners_;
   std::vector<std::uint8_t> outer_;
+  Adjacency hulls_;  ///< for each sample with several cells the slots of their outer faces; empty if none has
 };
 
 }  // namespace sansmesh::inline v1
