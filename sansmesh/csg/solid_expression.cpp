@@ -108,9 +108,9 @@ class SolidExpression final : public PieceExpression {
     while (!all_[piece].node) {
       int side = 0;
       for (std::size_t i = 0; i < x.size(); ++i) {
-        const int here = side_of(piece, x[i], 0);
-        if (here == 0 || (i > 0 && here != side)) return origin(piece);
-        side = here;
+        const int own = side_of(piece, x[i], 0);
+        if (own == 0 || (i > 0 && own != side)) return origin(piece);
+        side = own;
       }
       piece = side < 0 ? all_[piece].a : all_[piece].b;
     }

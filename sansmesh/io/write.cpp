@@ -66,12 +66,12 @@ void check_reach(const std::string& file, std::span<const Vec3f> positions, cons
   const double far = parallel_reduce(
       positions.size(), 1 << 16, 0.0,
       [&](std::size_t first, std::size_t last) {
-        double far = 0;
+        double most = 0;
         for (std::size_t i = first; i < last; ++i)
           for (std::size_t k = 0; k < 3; ++k)
             if (const double x = std::abs(origin[k] + static_cast<double>(positions[i][k])); std::isfinite(x))
-              far = std::max(far, x);
-        return far;
+              most = std::max(most, x);
+        return most;
       },
       [](double a, double b) { return std::max(a, b); });
   if (far > kLargestCoordinate)

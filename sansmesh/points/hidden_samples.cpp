@@ -119,11 +119,11 @@ std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
   // Most places have one sheet. Some samples of each run show which do; a region has many runs.
   std::vector<std::uint8_t> hidden(n);
   parallel_for(0, (known.size() + kRun - 1) / kRun, 4, [&](std::size_t run) {
-    const auto members = std::span(known).subspan(run * kRun, std::min(kRun, known.size() - run * kRun));
+    const auto samples = std::span(known).subspan(run * kRun, std::min(kRun, known.size() - run * kRun));
     bool any = false;
-    for (std::size_t i = 0; i < members.size() && !any; i += kProbe) any = count_above(members[i]) > 0;
-    for (std::size_t i = 0; i < members.size() && any; ++i)
-      hidden[members[i]] = count_above(members[i]) >= kFewestAbove;
+    for (std::size_t i = 0; i < samples.size() && !any; i += kProbe) any = count_above(samples[i]) > 0;
+    for (std::size_t i = 0; i < samples.size() && any; ++i)
+      hidden[samples[i]] = count_above(samples[i]) >= kFewestAbove;
   });
   for (int round = 0; round < kRimRounds; ++round) extend(graph, hidden);
   hide_patches(patches, known, hidden);

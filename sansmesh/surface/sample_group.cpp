@@ -21,8 +21,8 @@ void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t
     std::uint64_t key = 0;
     if (!sorted) {
       const Vec3 at = (x[i] - box.lower) * scale;
-      const auto cell = [](double c) { return static_cast<std::uint32_t>(c); };
-      key = morton_code(cell(at.x), cell(at.y), cell(at.z));
+      const auto whole = [](double c) { return static_cast<std::uint32_t>(c); };
+      key = morton_code(whole(at.x), whole(at.y), whole(at.z));
     }
     order.push_back((key << 32) | i);
   }

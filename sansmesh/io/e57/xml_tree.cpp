@@ -118,8 +118,8 @@ class TreeParser {
 }  // namespace
 
 std::string_view XmlElement::operator[](std::string_view key) const {
-  for (const auto& [name, value] : attributes)
-    if (name == key) return value;
+  for (const auto& [own, value] : attributes)
+    if (own == key) return value;
   return {};
 }
 

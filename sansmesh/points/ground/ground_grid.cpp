@@ -102,7 +102,7 @@ bool is_stray(const PointSet& points, const GroundGrid& grid, std::size_t cell) 
 /// Removes stray samples below the ground: a cell loses one sample a round, and clusters one cell a round.
 void remove_strays(const PointSet& points, GroundGrid& grid) {
   constexpr int kRounds = 4;
-  constexpr auto kReach = static_cast<std::size_t>(kStrayReach);
+  constexpr auto kChangeReach = static_cast<std::size_t>(kStrayReach);
   // 1: a sample of the neighbourhood has changed since the last round.
   std::vector<std::uint8_t> changed(grid.size(), 1), stray(grid.size(), 0);
   for (int round = 0; round < kRounds; ++round) {
@@ -115,8 +115,9 @@ void remove_strays(const PointSet& points, GroundGrid& grid) {
       if (!stray[i]) continue;
       grid.cell_of[grid.lowest[i]] = GroundGrid::kNone, any = true;
       const std::size_t row = i / grid.columns, column = i % grid.columns;
-      for (std::size_t r = row - std::min(row, kReach); r <= std::min(grid.rows - 1, row + kReach); ++r)
-        for (std::size_t c = column - std::min(column, kReach); c <= std::min(grid.columns - 1, column + kReach); ++c)
+      for (std::size_t r = row - std::min(row, kChangeReach); r <= std::min(grid.rows - 1, row + kChangeReach); ++r)
+        for (std::size_t c = column - std::min(column, kChangeReach);
+             c <= std::min(grid.columns - 1, column + kChangeReach); ++c)
           changed[r * grid.columns + c] = 1;
     }
     if (!any) return;
