@@ -94,6 +94,13 @@ void read_map(const std::string& text) {
   for (const Vec3& v : {map.x, map.y, map.z, map.shift}) demand(is_finite(v), "a matrix is not finite");
 }
 
+void read_drawing(const io::Input& in, bool obj) {
+  const PolylineSet lines = obj ? io::read_obj_lines(in) : io::read_dxf_lines(in);
+  demand(is_finite(lines.origin) && lines.offsets.back() == lines.positions.size(), "lines that are none");
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    demand(lines.offsets[i] < lines.offsets[i + 1], "a line without points");
+}
+
 /// Reads one word of a command line.
 void read_word(const std::string& text, std::size_t which) {
   switch (which) {
@@ -165,6 +172,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return demand(!parse_point_table(bytes.view(), kFile).empty(), "no points");
       case 9:
         return demand(!parse_vertex_list(bytes.view(), kFile).empty(), "no vertices");
+      case 11:
+        return read_drawing(io::Input{kFile, bytes.view().substr(1), report}, text[0] == 'o');
       default:
         return read_word(text.substr(1), static_cast<std::uint8_t>(text[0]) % 8);
     }

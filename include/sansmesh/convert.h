@@ -18,6 +18,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
@@ -269,12 +270,13 @@ struct SANSMESH_API HeightGridOptions {
 
 /// Report of make_height_grid().
 struct SANSMESH_API HeightGridReport {
-  std::size_t ground = 0;             ///< samples of the ground; 0 for meshes
-  std::size_t columns = 0, rows = 0;  ///< cells
-  double cell = 0;                    ///< edge of the cells (length)
-  double unknown = 0;                 ///< share of the cells without a height, 0..1
-  double lowest = 0, highest = 0;     ///< range of heights (lengths)
-  double interval = 0;                ///< interval of contour lines (length)
+  std::size_t ground = 0;                      ///< samples of the ground; 0 for meshes
+  std::optional<std::size_t> breaklines = {};  ///< given breaklines that lie over the samples
+  std::size_t columns = 0, rows = 0;           ///< cells
+  double cell = 0;                             ///< edge of the cells (length)
+  double unknown = 0;                          ///< share of the cells without a height, 0..1
+  double lowest = 0, highest = 0;              ///< range of heights (lengths)
+  double interval = 0;                         ///< interval of contour lines (length)
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -283,14 +285,50 @@ struct SANSMESH_API HeightGridReport {
 struct HeightGridResult {
   HeightGrid grid;          ///< heights
   HeightGridReport report;  ///< measures
+  /// "ground_found": nothing was classified; "breaklines_outside": breaklines without samples.
+  std::vector<Note> notes;
+};
+
+/// Samples of a terrain.
+struct TerrainSamples {
+  PointSet points;          ///< samples; a reconstruction may take them
+  double spacing = 0;       ///< edge of the square of covered area per sample (length); 0 if they cover no area
+  std::size_t count = 0;    ///< number of samples
   std::vector<Note> notes;  ///< "ground_found": nothing was classified
 };
 
-/// Heights of the ground of a cloud: of its samples of class 2 or, if none is classified, of those that the ground
-/// filter finds; of all samples if there are other classes only. Of a mesh: heights of its highest triangles. Throws
+/// The samples of class 2 or, if none is classified, those that the ground filter finds; all samples if there are other
+/// classes only, or if `all`. Throws DataError if there are none, Cancelled.
+SANSMESH_API TerrainSamples terrain_samples(PointSet points, bool all, Progress& progress);
+
+/// What else shapes a height grid.
+struct HeightGridUse {
+  std::optional<double> tile_size = {};  ///< tiles of this size (length, > 0) are to have whole cells
+  /// For clouds: lines at which height or slope jumps, in the coordinates of the cloud. Both sides have surfaces of
+  /// their own. Lines whose heights are all 0 have none; those of others are samples.
+  PolylineSet breaklines = {};
+};
+
+/// Heights of the ground of a cloud: of its terrain_samples. Of a mesh: heights of its highest triangles. Throws
 /// ArgumentError for bad options, DataError for data without an extent or too many cells, Cancelled.
 SANSMESH_API HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptions& options,
-                                               Progress& progress);
+                                               Progress& progress, const HeightGridUse& use = {});
+
+/// Heights of the highest triangles of a surface that was reconstructed from samples, in the cells of the grid of the
+/// samples. Throws as above, and ArgumentError for `gap` and breaklines.
+SANSMESH_API HeightGridResult make_height_grid(const TriangleMesh& surface, const TerrainSamples& samples,
+                                               const HeightGridOptions& options, Progress& progress,
+                                               const HeightGridUse& use = {});
+
+/// Square part of a height grid.
+struct HeightTile {
+  std::string place;  ///< lower left corner, as in SplitResult::places
+  HeightGrid grid;    ///< heights; NaN outside of the whole grid
+};
+
+/// Squares whose borders are multiples of `tile_size` (length, a multiple of the cell), those without heights left out,
+/// from south to north and west to east. Throws DataError for more than 10,000.
+SANSMESH_API std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_size);
 
 /// Writes contour lines: .svg, .dxf or a format of lines (.vtp .ply .csv). Returns the number of lines. Throws
 /// FileError; ArgumentError for more than 10,000 heights.
@@ -305,8 +343,11 @@ SANSMESH_API Image hillshade_of(const HeightGrid& grid);
 /// Size and range of heights, as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const HeightGridReport& report);
 
-/// Connectivity, and which parts are kept.
+/// Connectivity or tiles, and which parts are kept.
 struct SANSMESH_API SplitOptions {
+  /// For clouds: square tiles of this size over x and y instead of connected parts (length, > 0). Their borders are
+  /// multiples of it; the left and the lower one belong to the tile.
+  std::optional<double> tile_size = {};
   /// For clouds: points no farther apart than this are connected (length, > 0). Default: 4 spacings.
   std::optional<double> split_distance = {};
   std::size_t min_size = 0;         ///< parts with fewer triangles (or points) are dropped
@@ -317,11 +358,13 @@ struct SANSMESH_API SplitOptions {
   void validate() const;
 };
 
-/// Connected parts of a cloud or mesh.
+/// Connected parts of a cloud or mesh, or tiles.
 struct SANSMESH_API SplitResult {
-  std::vector<CloudOrMesh> parts;  ///< parts, the largest first
-  std::size_t found = 0;           ///< number of parts, dropped ones included
-  std::optional<double> distance;  ///< for clouds: the `split_distance` that was used (length)
+  std::vector<CloudOrMesh> parts;   ///< parts, the largest first; tiles from south to north and west to east
+  std::vector<std::string> places;  ///< lower left corners of tiles in the unit of the cloud: "512000_5403000"
+  std::optional<double> tile_size;  ///< size of tiles (length)
+  std::size_t found = 0;            ///< number of parts, dropped ones included
+  std::optional<double> distance;   ///< for clouds: the `split_distance` that was used (length)
   /// "small_parts": parts were dropped; "soup": hardly any triangles share a vertex; "loose_points": vertices without
   /// triangles were dropped.
   std::vector<Note> notes;
@@ -329,8 +372,8 @@ struct SANSMESH_API SplitResult {
   static const ReportSchema& schema();  ///< report rows
 };
 
-/// Splits a cloud or mesh into its connected parts. Throws ArgumentError for bad options, DataError if no part is large
-/// enough or there are too many, Cancelled.
+/// Splits a cloud or mesh into its connected parts, or a cloud into tiles. Throws ArgumentError for bad options,
+/// DataError if no part is large enough or there are too many, or for tiles of a mesh, Cancelled.
 SANSMESH_API SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
 
 /// Number of parts, as lines of text.

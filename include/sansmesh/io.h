@@ -79,9 +79,10 @@ SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadRep
 /// Reads a mesh; polygons are triangulated as fans. Throws FileError as read_points, and if the file has no faces.
 SANSMESH_API TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
 
-/// Reads the lines of a VTP file, with the attributes of their points. Empty if there are none, and for files of other
-/// formats. Throws FileError as read_points.
-SANSMESH_API PolylineSet read_lines(const std::string& file);
+/// Reads the lines of a VTP file, with the attributes of their points, those of an OBJ file, or the LINE, POLYLINE and
+/// LWPOLYLINE entities of a text DXF file. Empty if there are none, and for files of other formats. Throws FileError as
+/// read_points.
+SANSMESH_API PolylineSet read_lines(const std::string& file, ReadReport* report = nullptr);
 
 /// Options of writers.
 struct WriteOptions {

@@ -112,6 +112,7 @@ std::vector<std::string> points_to_csv(const PointSet& points, const WriteOption
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_laz(const PointSet& points, const WriteOptions& options);
+std::vector<std::string> points_to_copc(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_vtp(const PointSet& points, const WriteOptions& options);
 
 std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptions& options);

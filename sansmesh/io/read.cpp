@@ -130,12 +130,17 @@ PointSet io::read_points_of_volume(const std::string& file, ReadReport& report) 
   return read_any(file, report, {}, kSmallestOfVolume);
 }
 
-PolylineSet read_lines(const std::string& file) {
-  ReadReport report;
+PolylineSet read_lines(const std::string& file, ReadReport* report) {
+  ReadReport own;
+  ReadReport& r = report ? *report : own;
+  r = {};
   const io::FileContent content(file);
-  const Input in{file, content.bytes(), report, {}};
+  const Input in{file, content.bytes(), r, {}};
+  const std::string ending = io::ending(file);
+  if (ending == "dxf") return io::read_dxf_lines(in);
   const FormatInfo* const format = format_of_content(in.bytes);
-  return format && format->id == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
+  if (format && format->id == FormatId::vtk_xml) return io::read_vtp_lines(in);
+  return ending == "obj" ? io::read_obj_lines(in) : PolylineSet{};
 }
 
 namespace {

@@ -24,5 +24,9 @@ PointSet read_e57(const Input& in);
 PointSet read_points_of_volume(const std::string& file, ReadReport& report);
 /// The lines of a .vtp file; an empty set if it has none.
 PolylineSet read_vtp_lines(const Input& in);
+/// The lines of an .obj file; an empty set if it has none.
+PolylineSet read_obj_lines(const Input& in);
+/// Lines and polylines of a .dxf file.
+PolylineSet read_dxf_lines(const Input& in);
 
 }  // namespace sansmesh::inline v1::io

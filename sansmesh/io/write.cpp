@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -47,10 +48,16 @@ bool must_state_unknown(const FormatInfo& format, const std::string& file, const
 
 /// The format with a writer of that kind for a file name. Throws FileError.
 const FormatInfo& find_writer(FormatContent content, const std::string& file, const std::string& kind) {
-  const std::string e = io::ending(file);
+  std::string name = "." + io::lower(std::filesystem::path(file).filename().string());
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  // Endings may have several parts: .copc.laz is another format than .laz.
+  const FormatInfo* found = nullptr;
+  std::size_t longest = 0;
   for (const FormatInfo* const f : formats())
     for (const WrittenAs& as : f->written)
-      if ((as.content & content) != 0 && as.ending == e) return *f;
+      if ((as.content & content) != 0 && as.ending.size() > longest && name.ends_with("." + std::string(as.ending)))
+        found = f, longest = as.ending.size();
+  if (found) return *found;
   fail_ending(file, kind, listed_endings(endings_written(content)));
 }
 

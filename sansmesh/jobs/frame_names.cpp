@@ -31,14 +31,20 @@ std::string frame_name(const std::string& output, std::size_t frame, int digits)
 std::string motion_frame_name(const std::string& output, std::size_t frame) { return frame_name(output, frame, 4); }
 
 std::string part_name(const std::string& file, std::size_t number, std::size_t parts) {
+  const std::size_t width = std::max<std::size_t>(3, std::to_string(parts).size());
+  return place_name(file, fmt::format("{:0{}}", number, width));
+}
+
+std::string place_name(const std::string& file, const std::string& place) {
   check_holds_several(file);
   const std::filesystem::path path(file);
   std::string name = path.filename().string();
   std::string endings = path.extension().string();
-  if (endings == ".gz" || endings == ".GZ") endings = path.stem().extension().string() + endings;
+  std::filesystem::path stem = path.stem();
+  if (endings == ".gz" || endings == ".GZ") endings = stem.extension().string() + endings, stem = stem.stem();
+  if (stem.extension() == ".copc") endings = ".copc" + endings;
   name.resize(name.size() - endings.size());
-  const std::size_t width = std::max<std::size_t>(3, std::to_string(parts).size());
-  return (path.parent_path() / fmt::format("{}_{:0{}}{}", name, number, width, endings)).string();
+  return (path.parent_path() / fmt::format("{}_{}{}", name, place, endings)).string();
 }
 
 void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector<std::string>& results) {

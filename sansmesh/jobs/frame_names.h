@@ -13,6 +13,8 @@ std::string frame_name(const std::string& output, std::size_t frame, int digits 
 std::string motion_frame_name(const std::string& output, std::size_t frame);
 /// "out/a.ply.gz", 7 of 1234 → "out/a_0007.ply.gz".
 std::string part_name(const std::string& file, std::size_t number, std::size_t parts);
+/// "out/a.ply.gz", "512000_5403000" → "out/a_512000_5403000.ply.gz".
+std::string place_name(const std::string& file, const std::string& place);
 
 /// Throws FileError if a result would overwrite an input; empty names are ignored.
 void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector<std::string>& results);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,9 +13,9 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/jobs/tile_names.h"
 #include "sansmesh/measure/contours.h"
 #include "sansmesh/measure/mesh_heights.h"
-#include "sansmesh/measure/section_text.h"
 #include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/ground/ground_grid.h"
 #include "sansmesh/points/ground/ground_heights.h"
@@ -35,41 +37,61 @@ double rounded_up(double length) {
   return 10 * power;
 }
 
-/// Samples of the ground.
-PointSet ground_of(const PointSet& points, std::vector<Note>& notes, Progress& progress) {
-  PointSet ground;
-  ground.origin = points.origin, ground.positions = points.positions, ground.reference = points.reference;
-  if (const Attribute* const given = find_point_classes(points)) {
-    ground.attributes.set(*given);
-    const auto counts = count_point_classes(*given);
-    const bool others =
-        std::any_of(counts.begin() + kGroundClass + 1, counts.end(), [](std::size_t n) { return n > 0; });
-    if (counts[kGroundClass] == 0 && others) return ground;
-  }
-  PointClasses only;
-  only.set(kGroundClass);
-  notes = select_classes(ground, only, progress);
-  return ground;
+/// Least edge of cells that a tile has a whole number of; `wanted` without tiles.
+double cell_of_tiles(double wanted, std::optional<double> tile) {
+  return tile ? *tile / std::max(1.0, std::floor(*tile / wanted * (1 + 1e-9))) : wanted;
 }
 
-HeightGrid grid_of_points(const PointSet& points, const HeightGridOptions& options, HeightGridResult& result,
-                          Progress& progress) {
-  const PointSet ground = ground_of(points, result.notes, progress);
-  result.report.ground = ground.size();
-  const auto extent = measure_survey(ground);
-  if (!extent) throw DataError("the ground covers no area over x and y");
-  return make_ground_heights(ground,
-                             {.cell = options.cell.value_or(rounded_up(extent->spacing)),
-                              .spacing = extent->spacing,
-                              .gap = options.gap.value_or(kGapSpacings * extent->spacing)},
+/// Throws ArgumentError unless tiles have whole cells.
+void check_tiles(const HeightGridOptions& options, std::optional<double> tile) {
+  if (!tile || !options.cell) return;
+  const double cells = *tile / *options.cell;
+  if (cells < 0.5 || std::abs(cells - std::round(cells)) > 1e-9 * cells)
+    throw ArgumentError(fmt::format("`tile_size` {:.6g} must be a multiple of `cell` {:.6g}", *tile, *options.cell));
+}
+
+GroundHeights grid_of_points(const TerrainSamples& samples, const HeightGridOptions& options, const HeightGridUse& use,
+                             Progress& progress) {
+  if (!(samples.spacing > 0)) throw DataError("the ground covers no area over x and y");
+  return make_ground_heights(samples.points,
+                             {.cell = options.cell.value_or(cell_of_tiles(rounded_up(samples.spacing), use.tile_size)),
+                              .spacing = samples.spacing,
+                              .gap = options.gap.value_or(kGapSpacings * samples.spacing),
+                              .breaklines = &use.breaklines},
                              progress);
 }
 
-HeightGrid grid_of_mesh(const TriangleMesh& mesh, const HeightGridOptions& options, Progress& progress) {
+HeightGrid grid_of_mesh(const TriangleMesh& mesh, double spacing, const HeightGridOptions& options,
+                        std::optional<double> tile, Progress& progress) {
   const Vec3f size = bounds(mesh).size();
   const auto longer = static_cast<double>(std::max(size.x, size.y));
   if (!(longer > 0)) throw DataError("the mesh covers no area over x and y");
-  return make_mesh_heights(mesh, options.cell.value_or(rounded_up(longer / kMeshCells)), progress);
+  const double wanted = rounded_up(spacing > 0 ? spacing : longer / kMeshCells);
+  return make_mesh_heights(mesh, options.cell.value_or(cell_of_tiles(wanted, tile)), progress);
+}
+
+void check_no_breaklines(const HeightGridUse& use) {
+  if (use.breaklines.size() > 0) throw ArgumentError("`breaklines` are for grids of samples, not of a surface");
+}
+
+HeightGridResult with_report(HeightGrid grid, std::size_t ground, const HeightGridOptions& options) {
+  HeightGridResult result{std::move(grid), {}, {}};
+  HeightGridReport& r = result.report;
+  const std::vector<float>& heights = result.grid.heights.pixels;
+  r.ground = ground;
+  r.columns = static_cast<std::size_t>(result.grid.heights.width),
+  r.rows = static_cast<std::size_t>(result.grid.heights.height);
+  r.cell = result.grid.cell;
+  float lowest = INFINITY, highest = -INFINITY;
+  std::size_t known = 0;
+  for (const float h : heights)
+    if (std::isfinite(h)) lowest = std::min(lowest, h), highest = std::max(highest, h), ++known;
+  if (known == 0) throw DataError("no cell has a height: `cell` is too large for the samples of the ground");
+  r.unknown = 1 - static_cast<double>(known) / static_cast<double>(heights.size());
+  r.lowest = static_cast<double>(lowest), r.highest = static_cast<double>(highest);
+  const double range = std::max(r.highest - r.lowest, 1e-6 * r.cell);
+  r.interval = options.interval.value_or(rounded_up(range / kContourHeights));
+  return result;
 }
 
 }  // namespace
@@ -97,6 +119,7 @@ void HeightGridOptions::validate() const { validate_options(*this); }
 const ReportSchema& HeightGridReport::schema() {
   using R = HeightGridReport;
   static constexpr ReportRow rows[] = {reported<&R::ground>({.text = "Samples of the ground"}),
+                                       reported<&R::breaklines>({.text = "Breaklines over the samples"}),
                                        reported<&R::columns>({.text = "Columns of cells"}),
                                        reported<&R::rows>({.text = "Rows of cells"}),
                                        reported<&R::cell>({.text = "Edge of the cells", .unit = "length"}),
@@ -107,26 +130,87 @@ const ReportSchema& HeightGridReport::schema() {
   return report_schema<rows>();
 }
 
-HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptions& options, Progress& progress) {
+TerrainSamples terrain_samples(PointSet points, bool all, Progress& progress) {
+  TerrainSamples made{std::move(points), 0, 0, {}};
+  if (!all) {
+    bool only_others = false;
+    if (const Attribute* const given = find_point_classes(made.points)) {
+      const auto counts = count_point_classes(*given);
+      only_others = counts[kGroundClass] == 0 &&
+                    std::any_of(counts.begin() + kGroundClass + 1, counts.end(), [](std::size_t n) { return n > 0; });
+    }
+    PointClasses ground;
+    ground.set(kGroundClass);
+    if (!only_others) made.notes = select_classes(made.points, ground, progress);
+  }
+  made.count = made.points.size();
+  if (const auto extent = measure_survey(made.points)) made.spacing = extent->spacing;
+  return made;
+}
+
+HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptions& options, Progress& progress,
+                                  const HeightGridUse& use) {
   options.validate();
-  HeightGridResult result;
-  result.grid = data.is_mesh ? grid_of_mesh(data.mesh, options, progress)
-                             : grid_of_points(data.points, options, result, progress);
-  HeightGridReport& r = result.report;
-  const std::vector<float>& heights = result.grid.heights.pixels;
-  r.columns = static_cast<std::size_t>(result.grid.heights.width),
-  r.rows = static_cast<std::size_t>(result.grid.heights.height);
-  r.cell = result.grid.cell;
-  float lowest = INFINITY, highest = -INFINITY;
-  std::size_t known = 0;
-  for (const float h : heights)
-    if (std::isfinite(h)) lowest = std::min(lowest, h), highest = std::max(highest, h), ++known;
-  if (known == 0) throw DataError("no cell has a height: `cell` is too large for the samples of the ground");
-  r.unknown = 1 - static_cast<double>(known) / static_cast<double>(heights.size());
-  r.lowest = static_cast<double>(lowest), r.highest = static_cast<double>(highest);
-  const double range = std::max(r.highest - r.lowest, 1e-6 * r.cell);
-  r.interval = options.interval.value_or(rounded_up(range / kContourHeights));
+  check_tiles(options, use.tile_size);
+  if (data.is_mesh) {
+    check_no_breaklines(use);
+    return with_report(grid_of_mesh(data.mesh, 0, options, use.tile_size, progress), 0, options);
+  }
+  PointSet bare;
+  bare.origin = data.points.origin, bare.positions = data.points.positions, bare.reference = data.points.reference;
+  if (const Attribute* const given = find_point_classes(data.points)) bare.attributes.set(*given);
+  const TerrainSamples samples = terrain_samples(std::move(bare), false, progress);
+  GroundHeights made = grid_of_points(samples, options, use, progress);
+  HeightGridResult result = with_report(std::move(made.grid), samples.count, options);
+  result.notes = samples.notes;
+  const std::size_t lines = use.breaklines.size();
+  if (lines > 0) result.report.breaklines = made.breaklines;
+  if (made.breaklines < lines)
+    result.notes.push_back({.code = "breaklines_outside",
+                            .text = fmt::format("{} of {} not over the samples of the ground",
+                                                grouped(lines - made.breaklines), counted(lines, "breakline"))});
   return result;
+}
+
+HeightGridResult make_height_grid(const TriangleMesh& surface, const TerrainSamples& samples,
+                                  const HeightGridOptions& options, Progress& progress, const HeightGridUse& use) {
+  options.validate();
+  check_tiles(options, use.tile_size);
+  if (options.gap) throw ArgumentError("`gap` is for grids of samples: `fill_holes` closes gaps of a surface");
+  check_no_breaklines(use);
+  return with_report(grid_of_mesh(surface, samples.spacing, options, use.tile_size, progress), samples.count, options);
+}
+
+std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_size) {
+  const auto cells = static_cast<std::int64_t>(std::llround(tile_size / grid.cell));
+  const std::int64_t left = std::llround(grid.left / grid.cell), top = std::llround(grid.top / grid.cell);
+  const auto below = [&](std::int64_t k) { return k / cells - (k % cells < 0 ? 1 : 0); };
+  const std::int64_t first = below(left), last = below(left + grid.heights.width - 1);
+  const std::int64_t lowest = below(top - grid.heights.height), highest = below(top - 1);
+  check_tile_count(static_cast<double>(last - first + 1) * static_cast<double>(highest - lowest + 1),
+                   static_cast<double>(kMostTiles));
+  std::vector<HeightTile> tiles;
+  for (std::int64_t row = lowest; row <= highest; ++row)
+    for (std::int64_t column = first; column <= last; ++column) {
+      // Tiles are complete squares, so that they fit; those without heights are left out.
+      HeightTile tile{place_words(static_cast<double>(column) * tile_size, static_cast<double>(row) * tile_size),
+                      {{static_cast<int>(cells), static_cast<int>(cells), std::numeric_limits<float>::quiet_NaN()},
+                       grid.cell,
+                       static_cast<double>(column) * tile_size,
+                       static_cast<double>(row + 1) * tile_size,
+                       grid.reference}};
+      bool known = false;
+      for (std::int64_t r = 0; r < cells; ++r)
+        for (std::int64_t c = 0; c < cells; ++c) {
+          const std::int64_t k = column * cells + c - left, j = top - (row + 1) * cells + r;
+          if (k < 0 || j < 0 || k >= grid.heights.width || j >= grid.heights.height) continue;
+          const float h = grid.heights.at(static_cast<int>(k), static_cast<int>(j));
+          tile.grid.heights.at(static_cast<int>(c), static_cast<int>(r)) = h;
+          known = known || std::isfinite(h);
+        }
+      if (known) tiles.push_back(std::move(tile));
+    }
+  return tiles;
 }
 
 void check_contours_writable(const std::string& file) {
@@ -176,10 +260,11 @@ Image hillshade_of(const HeightGrid& grid) {
 }
 
 std::vector<std::string> summary_of(const HeightGridReport& r) {
-  return {fmt::format("{} × {} cells of {:.6g}, heights {:.6g} to {:.6g}{}{}", grouped(r.columns), grouped(r.rows),
+  return {fmt::format("{} × {} cells of {:.6g}, heights {:.6g} to {:.6g}{}{}{}", grouped(r.columns), grouped(r.rows),
                       r.cell, r.lowest, r.highest,
                       r.unknown > 0 ? fmt::format(", {:.1f} % unknown", 100 * r.unknown) : "",
-                      r.ground > 0 ? ", from " + counted(r.ground, "sample") + " of the ground" : "")};
+                      r.ground > 0 ? ", from " + counted(r.ground, "sample") + " of the ground" : "",
+                      r.breaklines ? " and " + counted(*r.breaklines, "breakline") : "")};
 }
 
 }  // namespace sansmesh::inline v1

@@ -3,12 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/tile_names.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/spacing.h"
@@ -86,11 +89,56 @@ SplitResult split_cloud(const PointSet& points, const SplitOptions& options, Pro
   return result;
 }
 
+/// Positions are floats: one this close below a border (in roundings) is on it.
+constexpr double kRoundings = 2;
+
+/// Tile of a coordinate, in multiples of the size.
+double tile_of(double origin, float position, double size) {
+  const double x = origin + static_cast<double>(position);
+  const double rounding = std::ldexp(std::abs(static_cast<double>(position)), -24);
+  const double tile = std::floor(x / size);
+  return (tile + 1) * size - x <= kRoundings * rounding ? tile + 1 : tile;
+}
+
+SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options) {
+  const double size = *options.tile_size;
+  std::map<std::pair<double, double>, std::vector<std::uint32_t>> rows;  // by row and column
+  std::vector<std::uint32_t>* last = nullptr;
+  std::pair<double, double> place;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3f& p = points.positions[i];
+    if (!is_finite(p)) throw DataError("there are positions that are not finite: they are in no tile");
+    const std::pair at{tile_of(points.origin.y, p.y, size), tile_of(points.origin.x, p.x, size)};
+    if (!last || at != place) {
+      last = &rows[at], place = at;
+      check_tile_count(static_cast<double>(rows.size()), static_cast<double>(options.most_parts));
+    }
+    last->push_back(static_cast<std::uint32_t>(i));
+  }
+  SplitResult result;
+  result.tile_size = size;
+  result.found = rows.size();
+  std::vector<std::size_t> sizes;
+  for (const auto& [at, samples] : rows) sizes.push_back(samples.size());
+  check_parts(large_enough(sizes, options), options, "points", result);
+  for (const auto& [at, samples] : rows) {
+    if (samples.size() < options.min_size) continue;
+    result.parts.emplace_back(take_samples(points, samples));
+    result.places.push_back(place_words(at.second * size, at.first * size));
+  }
+  return result;
+}
+
 }  // namespace
 
 const OptionSchema& SplitOptions::schema() {
   using O = SplitOptions;
   static constexpr OptionRow rows[] = {
+      option<&O::tile_size>({.text = "Write square tiles of this size as separate files, named by their lower left "
+                                     "corner: NAME_512000_5403000.laz. Their borders are multiples of the size",
+                             .unit = "length",
+                             .from_data = "one file",
+                             .range = positive()}),
       option<&O::split_distance>({.text = "For clouds: points no farther apart than this are connected",
                                   .unit = "length",
                                   .from_data = "4 spacings",
@@ -99,11 +147,18 @@ const OptionSchema& SplitOptions::schema() {
   return option_schema<rows>();
 }
 
-void SplitOptions::validate() const { validate_options(*this); }
+void SplitOptions::validate() const {
+  validate_options(*this);
+  if (tile_size && split_distance) throw ArgumentError("`split_distance` is for connected parts, not for tiles");
+}
 
 SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress) {
   options.validate();
   progress.begin("split");
+  if (options.tile_size) {
+    if (data.is_mesh) throw DataError("`tile_size` is for points and height grids; `box` cuts meshes");
+    return split_into_tiles(data.points, options);
+  }
   return data.is_mesh ? split_mesh(data.mesh, options) : split_cloud(data.points, options, progress);
 }
 
@@ -112,11 +167,13 @@ const ReportSchema& SplitResult::schema() {
       reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, dropped ones included"}),
       reported<&SplitResult::distance>({.name = "parts.distance",
                                         .text = "For clouds: points no farther apart than this are connected",
-                                        .unit = "length"})};
+                                        .unit = "length"}),
+      reported<&SplitResult::tile_size>({.name = "parts.tile_size", .text = "Size of tiles", .unit = "length"})};
   return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SplitResult& made) {
+  if (made.tile_size) return {fmt::format("{} of {:.10g}", counted(made.found, "tile"), *made.tile_size)};
   if (!made.distance) return {counted(made.found, "part")};
   return {fmt::format("{} at a distance of {}", counted(made.found, "part"), length_words(*made.distance))};
 }

@@ -357,7 +357,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progre
   if (use.classes)
     notes = select_classes(points, *use.classes, progress);
   else if (clutter == ClutterUse::leave_out)
-    notes = leave_out_vegetation(points);
+    notes = leave_out_vegetation(points), add_notes(notes, suggest_ground(points));
   PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   leave_out_outliers(result, use.remove_outliers, clutter, progress);

@@ -19,6 +19,7 @@ struct Remedy {
 inline constexpr Remedy kRemedies[] = {
     {"scans_disagree", "align", "`align` moves them onto each other"},
     {"classes_left_out", "class", "`class = 0-255` keeps them"},
+    {"unclassified_survey", "class", "`class = ground` leaves only the terrain"},
     {"clutter", "remove_outliers", "`keep_outliers` keeps them"},
     {"parts_left_out", "components", "`components = all` keeps them"},
     {"lost_samples", "components", "`components = all` keeps their parts"},

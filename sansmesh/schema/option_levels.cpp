@@ -36,7 +36,7 @@ constexpr OptionsOfJob kFirst[] = {
      "fps frames embedded-volume preset background ascii"},
     {"convert",
      "output class transform translate center rotate scale up unit to-unit box point-spacing point-count every keep "
-     "drop weld flip split ascii"},
+     "drop weld flip split tile-size ascii"},
     {"volume fit", "output array all-arrays method degree radius time-step fill-value dims type spacing"},
     {"volume probe", "output at points array method degree radius time-step fill-value dims type spacing"},
     {"volume resample",

@@ -376,5 +376,110 @@ TEST_F(SurveyCommands, UnclassifiedTilesHaveGroundAndHeights) {
   EXPECT_EQ(run({"convert", "tile.las", "-o", "a.tif", "--contours", "lines.doc"}).code, 1);
 }
 
+/// A terrace of 120 × 120 with a step of 4 at x = 60, as CSV in coordinates of a survey.
+std::string terrace_rows() {
+  std::string rows = "x,y,z\n";
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 120);
+  for (int i = 0; i < 14400; ++i) {
+    const double x = uniform(random), y = uniform(random);
+    char line[80];
+    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f\n", 512000 + x, 5403000 + y, 100 + 0.05 * y + (x > 60 ? 4 : 0));
+    rows += line;
+  }
+  return rows;
+}
+
+TEST_F(SurveyCommands, ReconstructionsHaveHeightsInOneStep) {
+  write("tile.csv", terrace_rows());
+  const Json made = json_of({"reconstruct", "tile.csv", "-o", "surface.tif", "--contours", "lines.dxf", "--hillshade",
+                             "shade.png", "--preview", "mesh.png"}),
+             same = json_of({"convert", "tile.csv", "-o", "samples.tif"});
+  for (const char* key : {"ground", "cell", "interval"}) EXPECT_EQ(made["heights"][key], same["heights"][key]) << key;
+  for (const char* key : {"lowest", "highest"})
+    EXPECT_NEAR(made["heights"][key], static_cast<double>(same["heights"][key]), 0.3) << key;
+  EXPECT_EQ(made["heights"]["file"], "surface.tif");
+  EXPECT_GE(made["contours"]["lines"], 10);
+  for (const char* file : {"surface.tif", "lines.dxf", "shade.png", "mesh.png"})
+    EXPECT_GT(std::filesystem::file_size(path(file)), 100u) << file;
+  // Two steps give the same heights.
+  ASSERT_EQ(run({"reconstruct", "tile.csv", "--class", "ground", "-o", "mesh.ply"}).code, 0);
+  ASSERT_EQ(run({"convert", "mesh.ply", "-o", "mesh.tif", "--cell", "1"}).code, 0);
+  EXPECT_EQ(slurp(path("mesh.tif")), slurp(path("surface.tif")));
+  expect_failures({
+      {{"reconstruct", "tile.csv", "-o", "a.ply", "--contours", "lines.dxf"}, 2, {"-o FILE.tif"}},
+      {{"reconstruct", "tile.csv", "-o", "a.tif", "--ascii"}, 2, {"--ascii"}},
+      {{"reconstruct", "tile.csv", "-o", "none/a.tif"}, 1, {"none"}},
+  });
+}
+
+TEST_F(SurveyCommands, TilesAreNamedByTheirPlace) {
+  write("tile.csv", terrace_rows());
+  std::filesystem::create_directory(path("out"));
+  const Json made = json_of({"convert", "tile.csv", "-o", "out/t.laz", "--tile-size", "50"});
+  ASSERT_EQ(made["outputs"].size(), 9u);
+  EXPECT_EQ(made["outputs"][0]["file"], "out/t_512000_5403000.laz");
+  EXPECT_EQ(made["outputs"][8]["file"], "out/t_512100_5403100.laz");
+  EXPECT_EQ(made["parts"]["tile_size"], 50);
+  std::size_t points = 0;
+  for (const Json& file : made["outputs"]) points += static_cast<std::size_t>(file["points"]);
+  EXPECT_EQ(points, 14400u);
+  EXPECT_EQ(read_merged({path("out")}).size(), 14400u);
+  const Json grid = json_of({"convert", "out", "-o", "out/dem.tif", "--tile-size", "50", "--contours", "lines.vtp"});
+  ASSERT_EQ(grid["heights"]["files"].size(), 9u);
+  EXPECT_EQ(grid["heights"]["files"][4]["file"], "out/dem_512050_5403050.tif");
+  EXPECT_EQ(grid["heights"]["files"][4]["cells"], 2500);
+  // Its own tiles are not overwritten.
+  expect_failures({
+      {{"convert", "out/t_512000_5403000.laz", "-o", "out/t.laz", "--tile-size", "50"}, 1, {"is an input"}},
+      {{"convert", "tile.csv", "-o", "out/a.laz", "--tile-size", "0"}, 2, {"--tile-size"}},
+      {{"convert", "tile.csv", "-o", "out/a.laz", "--tile-size", "0.5"}, 1, {"tile.csv", "--tile-size"}},
+      {{"convert", "tile.csv", "-o", "out/a.tif", "--tile-size", "50", "--cell", "3"}, 2, {"--tile-size", "--cell"}},
+      {{"convert", "tile.csv", "-o", "out/a.laz", "--tile-size", "50", "--split"}, 2, {"--split", "--tile-size"}},
+  });
+}
+
+TEST_F(SurveyCommands, BreaklinesAreRead) {
+  write("tile.csv", terrace_rows());
+  write("edge.obj", "v 512060 5402990 104\nv 512060 5403130 110\nl 1 2\n");
+  write("empty.obj", "v 0 0 0\n");
+  const Json made =
+      json_of({"convert", "tile.csv", "-o", "a.tif", "--cell", "1", "--breaklines", "edge.obj", "--contours", "c.csv"});
+  EXPECT_EQ(made["heights"]["breaklines"], 1);
+  ASSERT_EQ(run({"convert", "tile.csv", "-o", "b.tif", "--cell", "1"}).code, 0);
+  EXPECT_NE(slurp(path("a.tif")), slurp(path("b.tif")));
+  expect_failures({
+      {{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "empty.obj"}, 1, {"empty.obj", "no lines"}},
+      {{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "none.dxf"}, 1, {"none.dxf"}},
+      {{"convert", "tile.csv", "-o", "c.ply", "--breaklines", "edge.obj"}, 2, {"-o FILE.tif"}},
+  });
+}
+
+TEST_F(SurveyCommands, AllCommandsReadBoxes) {
+  write_tiles();
+  const std::string box = "1234571,5432000,0,1234700,5432200,1000", nowhere = "0,0,0,1,1,1";
+  ASSERT_EQ(run({"convert", "west.las", "east.las", "--class", "2", "-o", "ball.ply"}).code, 0);
+  ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
+  const std::vector<std::vector<std::string>> commands{{"render", "west.las", "-o", "a.png", "--width", "40"},
+                                                       {"assess", "ball.ply", "west.las"},
+                                                       {"compare", "ball.ply", "west.las"},
+                                                       {"align", "ball.ply", "west.las"},
+                                                       {"probe", "ball.smf", "--points", "west.las"}};
+  for (std::vector<std::string> command : commands) {
+    command.insert(command.end(), {"--read-box", nowhere});
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.code, 1) << command[0];
+    EXPECT_NE(outcome.err.find("holds no points in the box"), std::string::npos) << outcome.err;
+  }
+  const Json part = json_of({"probe", "ball.smf", "--points", "west.las", "--points", "east.las", "--read-box", box});
+  const Json all = json_of({"probe", "ball.smf", "--points", "west.las", "--points", "east.las"});
+  EXPECT_LT(part["points"], all["points"]);
+  expect_failures({
+      {{"assess", "ball.ply", "--read-box", box}, 2, {"--read-box"}},
+      {{"probe", "ball.smf", "--at", "0,0,0", "--read-box", box}, 2, {"--read-box"}},
+      {{"compare", "ball.ply", "ball.smf", "--read-box", box}, 2, {"--read-box", "function"}},
+  });
+}
+
 }  // namespace
 }  // namespace sansmesh::test

@@ -165,12 +165,42 @@ PointSet ground_and_vegetation() {
   return cloud;
 }
 
+/// Airborne samples of gentle ground with houses and trees, without classes and normals.
+PointSet unclassified_town() {
+  PointSet cloud;
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 14400; ++i) {
+    const double x = 120 * uniform(random), y = 120 * uniform(random), ground = std::sin(x / 20);
+    const double dx = std::fmod(x, 30.0) - 15, dy = std::fmod(y, 30.0) - 15;
+    const bool house = std::abs(dx) < 5 && std::abs(dy) < 4, tree = std::hypot(dx - 10, dy - 9) < 4;
+    const double object = house ? 7 : tree && uniform(random) < 0.6 ? 3 + 6 * uniform(random) : 0;
+    cloud.positions.push_back(Vec3f(Vec3{x, y, ground + object}));
+  }
+  return cloud;
+}
+
+/// The same ground without anything above it, and an object that is nearly a height field.
+PointSet bare_ground() {
+  PointSet cloud = unclassified_town();
+  for (Vec3f& p : cloud.positions) p.z = std::sin(p.x / 20);
+  return cloud;
+}
+PointSet bare_bowl() {
+  PointSet cloud = cut_ball(12000, -0.1f);
+  cloud.normals.clear();
+  return cloud;
+}
+
 // ------------------------------------------------------------------------------------------------------ defects
 
 double lost(const ReconstructResult& made) { return made.report.lost; }
 double border(const ReconstructResult& made) { return static_cast<double>(measure_topology(made.mesh).boundary_edges); }
 double no_border(const ReconstructResult& made) { return border(made) > 0 ? 0 : 1; }
 double loops(const ReconstructResult& made) { return static_cast<double>(measure_topology(made.mesh).boundary_loops); }
+double highest(const ReconstructResult& made) {
+  return made.mesh.origin.z + static_cast<double>(bounds(made.mesh).upper.z);
+}
 double missing_parts(const ReconstructResult& made) { return std::max(0, 2 - made.report.components); }
 double deviation(const ReconstructResult& made) { return made.report.noise; }
 
@@ -187,6 +217,7 @@ struct Case {
 const Case kCases[] = {
     {"scans_disagree", "align", unaligned_scans, deviation, 0.002, 0.0012},
     {"classes_left_out", "class", ground_and_vegetation, missing_parts, 1, 0},
+    {"unclassified_survey", "class", unclassified_town, highest, 6, 2},
     {"clutter", "remove_outliers", ball_and_sparser_ball, missing_parts, 1, 0},
     {"parts_left_out", "components", ball_and_sparse_ball, missing_parts, 1, 0},
     {"lost_samples", "components", ball_and_sparse_ball, lost, 0.01, 0},
@@ -265,6 +296,11 @@ TEST(Remedies, AllOfTheTableAreTested) {
   for (const Case& c : kAdviceCases) tested.insert(std::string(c.code) + " " + c.option);
   for (const Remedy& r : kRemedies)
     EXPECT_TRUE(tested.contains(std::string(r.code) + " " + std::string(r.option))) << r.code << " " << r.option;
+}
+
+TEST(Remedies, OnlyOfSurveysNameTheGround) {
+  for (const auto cloud : {bare_ground, bare_bowl, plate_and_strays, ball_around_plate, unaligned_scans, half_ball})
+    EXPECT_FALSE(test::has_note(made_of(cloud()).notes, "unclassified_survey"));
 }
 
 // Notes on clouds and on their surfaces take their remedies from the table.

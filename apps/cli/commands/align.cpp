@@ -87,7 +87,7 @@ Command add_align(CommandLine& app) {
   add_surface_input(c, "moving", a->moving.files[0], "Surface to move: mesh, points, or function (.smf)");
   add_surface_input(c, "fixed", a->fixed.files,
                     "Fixed surface: mesh, points, or function; several files are read as one");
-  add_class_options(c, a->fixed, " of the fixed surface");
+  add_selection_options(c, a->fixed, " of the fixed surface");
   c.add_option("-o,--output", a->output.file, "Moved surface with all attributes: formats of meshes or of points")
       .writes(endings_written(kMesh | kPoints));
   c.add_option("--transform-output", a->transform_output, "Motion as 4 rows of 4 numbers (.json: as JSON)")

@@ -21,8 +21,8 @@ struct AssessArguments {
 };
 
 void run_assess(const AssessArguments& a, Console& console) {
-  require(!a.reference.files.empty() || !a.reference.classes,
-          "--class and --without-class select points of the reference");
+  require(!a.reference.files.empty() || !a.reference.selects(),
+          "--class, --without-class, --read-box and --read-spacing select points of the reference");
   a.options.validate();
   Progress& progress = console.progress();
   progress.begin("read");
@@ -54,7 +54,7 @@ Command add_assess(CommandLine& app) {
   c.add_option("mesh", a.surface, "Mesh or points").reads(endings_read(kPoints)).required();
   c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
       .reads(endings_read(kPoints));
-  add_class_options(c, a.reference, " of the reference");
+  add_selection_options(c, a.reference, " of the reference");
   add_schema(c, a.options);
   c.footer(
       "To the reference: accuracy. From the reference: completeness. Angles of normals are between planes, 0..90°.\n"

@@ -89,7 +89,7 @@ Command add_compare(CommandLine& app) {
   add_surface_input(c, "part", a->part.files[0], "Manufactured part: mesh, points, or function (.smf)");
   add_surface_input(c, "reference", a->reference.files,
                     "Nominal shape: mesh, points, or function (.smf); several files are read as one");
-  add_class_options(c, a->reference, " of the reference");
+  add_selection_options(c, a->reference, " of the reference");
   c.add_option("-o,--output", a->output,
                "Map to write, with distances as quality and as colours: .ply .vtp .glb (others: colours)")
       .writes({".ply", ".vtp", ".glb"});

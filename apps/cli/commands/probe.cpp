@@ -28,7 +28,7 @@ PointSet points_of(const ProbeArguments& a, Console& console) {
     points.triangle_attributes.clear();
     return points;
   }
-  require(!a.points.classes, "--class and --without-class select among --points");
+  require(!a.points.selects(), "--class, --without-class, --read-box and --read-spacing select among --points");
   points.origin = {a.at[0], a.at[1], a.at[2]};
   for (const Vec3& x : query_points(a.at)) points.positions.push_back(Vec3f(x - points.origin));
   return points;
@@ -67,7 +67,7 @@ Command add_probe(CommandLine& app) {
   c.add_option("--points", a->points.files, "File of query points; may be repeated (tiles)")
       .reads(endings_read(kPoints))
       .repeated();
-  add_class_options(c, a->points);
+  add_selection_options(c, a->points);
   c.add_option("--at", a->at, "Query point x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")
       .writes({".ply", ".csv", ".pcd", ".vtp"});

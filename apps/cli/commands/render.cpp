@@ -108,7 +108,7 @@ Command add_render(CommandLine& app) {
   add_surface_input(
       c, "input", a.input.files,
       "Meshes, points or functions (.smf): several are separate objects, unless --as-one or --surface is given");
-  add_class_options(c, a.input);
+  add_selection_options(c, a.input);
   add_picture_output(c, a.output);
   add_picture_options(c, a.picture);
   add_background_option(c, a.picture);

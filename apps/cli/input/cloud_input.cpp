@@ -83,13 +83,10 @@ template void add_surface_input(CommandLine&, const std::string&, std::vector<st
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
   add_surface_input(c, "input", input.files,
                     what + (as_one ? "; several files (tiles), folders, patterns and lists are read as one" : ""));
-  add_class_options(c, input);
-  add_read_options(c, input);
+  add_selection_options(c, input);
 }
 
-void add_read_options(CommandLine& c, CloudInput& input) { add_schema(c, input.part, {.group = "Input"}); }
-
-void add_class_options(CommandLine& c, CloudInput& input, const std::string& of) {
+void add_selection_options(CommandLine& c, CloudInput& input, const std::string& of) {
   c.add_option_function(
        "--class",
        [&input](const std::string& list) {
@@ -110,6 +107,8 @@ void add_class_options(CommandLine& c, CloudInput& input, const std::string& of)
        "Drop points" + of + " of these classes: noise")
       .type_name("CLASSES")
       .group("Input");
+  add_schema(c, input.part,
+             {.group = "Input", .before = [of](std::string_view) { return of.empty() ? of : of.substr(1) + ": "; }});
 }
 
 }  // namespace sansmesh::cli

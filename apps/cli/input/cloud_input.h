@@ -32,6 +32,8 @@ struct CloudInput {
   ReadCloud report(const ReadReport& read, std::size_t points) const {
     return {{files}, read.format, points, read.reference};
   }
+  /// Whether any option selects points.
+  bool selects() const { return classes || part.box || part.resolution; }
   /// True for a function file, false for a cloud. Throws ArgumentError if points of a function were selected.
   bool is_function() const;
   /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings
@@ -52,10 +54,9 @@ auto naming(const std::string& file, const Console& console, Call call) {
 /// Adds a surface (mesh, points or function), as a positional argument. Files is a text or a vector of texts.
 template <class Files>
 void add_surface_input(CommandLine& command, const std::string& name, Files& files, const std::string& what);
-/// Adds --class and --without-class. `of`: the cloud, for commands that read several: " of the reference".
-void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
-/// Adds --read-box and --read-spacing.
-void add_read_options(CommandLine& command, CloudInput& input);
+/// Adds --class, --without-class, --read-box and --read-spacing. `of`: the cloud, for commands that read several:
+/// " of the reference".
+void add_selection_options(CommandLine& command, CloudInput& input, const std::string& of = "");
 /// Adds the files and the options that select points. `what` describes the files; `as_one`: several files form one
 /// cloud.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what, bool as_one = true);

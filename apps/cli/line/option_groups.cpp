@@ -67,22 +67,26 @@ void MeshOutput::check_preview() const {
   if (!preview.empty()) check_writable(preview, "image");
 }
 
-void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
-  Progress& progress = console.progress();
-  Image image;
+void MeshOutput::write_preview(const TriangleMesh& mesh, Console& console) const {
+  if (preview.empty()) return;
   const RenderOptions look = picture.chosen();
-  if (!preview.empty()) image = render_mesh(mesh, look, progress);
-  progress.begin("write");
+  picture.write(preview, render_mesh(mesh, look, console.progress()), look);
+}
+
+void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
+  write_preview(mesh, console);
+  console.progress().begin("write");
   warn_of_system(file, mesh.reference.get(), console);
   write_mesh(file, mesh, {.ascii = ascii});
-  if (!preview.empty()) picture.write(preview, image, look);
   report_mesh(file, mesh, console);
 }
 
-void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
+void add_mesh_output(CommandLine& c, MeshOutput& o, bool required, const OtherOutput& other) {
   c.announce({report_of<WrittenMesh>("output")});
-  const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
-                          .writes(endings_written(kMesh));
+  std::vector<std::string> endings = endings_written(kMesh);
+  std::string what = "Mesh to write: " + listed_endings(endings);
+  if (!other.ending.empty()) endings.push_back(other.ending), what += ", or " + other.what + ": " + other.ending;
+  const Option file = c.add_option("-o,--output", o.file, what).writes(endings);
   if (required) file.required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);

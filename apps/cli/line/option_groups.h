@@ -47,11 +47,17 @@ struct MeshOutput {
   void check() const;
   /// Checks the picture only.
   void check_preview() const;
-  /// Writes and reports `output`. Throws FileError.
+  /// Writes and reports `output`, and the picture. Throws FileError.
   void write(const TriangleMesh& mesh, Console& console) const;
+  /// Writes the picture only.
+  void write_preview(const TriangleMesh& mesh, Console& console) const;
 };
-/// Adds --output, --preview, --ascii, and those of add_picture_options.
-void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
+/// Adds --output, --preview, --ascii, and those of add_picture_options. `other`: another kind of output by its ending,
+/// and its name.
+struct OtherOutput {
+  std::string ending, what;
+};
+void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true, const OtherOutput& other = {});
 /// Adds options of the preparation of samples: --faces, --normals, --orient-by, --align. (--remove-outliers is in the
 /// group Surface.)
 void add_cloud_options(CommandLine& command, CloudPreparation& use);

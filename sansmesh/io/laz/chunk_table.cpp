@@ -82,15 +82,17 @@ ChunkTable read_chunk_table(const Input& in, const LasHeader& header, const LazL
   return table;
 }
 
-std::string chunk_table(const std::vector<std::size_t>& chunk_bytes) {
+std::string chunk_table(const std::vector<Chunk>& chunks, bool variable) {
   std::string s(8, '\0');
-  const auto count = static_cast<std::uint32_t>(chunk_bytes.size());
+  const auto count = static_cast<std::uint32_t>(chunks.size());
   std::memcpy(s.data() + 4, &count, sizeof count);
   ArithmeticEncoder encoder;
   const auto model = std::make_unique<TableModel>();
-  std::int32_t previous = 0;
-  for (const std::size_t bytes : chunk_bytes)
-    previous = model->code(encoder, previous, static_cast<std::int32_t>(bytes), 1);
+  std::int32_t points = 0, bytes = 0;
+  for (const Chunk& chunk : chunks) {
+    if (variable) points = model->code(encoder, points, static_cast<std::int32_t>(chunk.points), 0);
+    bytes = model->code(encoder, bytes, static_cast<std::int32_t>(chunk.bytes), 1);
+  }
   return s + encoder.finish();
 }
 

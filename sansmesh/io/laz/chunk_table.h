@@ -25,7 +25,7 @@ struct ChunkTable {
 };
 ChunkTable read_chunk_table(const Input& in, const LasHeader& header, const LazLayout& layout);
 
-/// The table of chunks that follow each other, all but the last of layout.chunk_points points.
-std::string chunk_table(const std::vector<std::size_t>& chunk_bytes);
+/// The table of chunks that follow each other. `variable`: with their numbers of points, otherwise only their sizes.
+std::string chunk_table(const std::vector<Chunk>& chunks, bool variable);
 
 }  // namespace sansmesh::inline v1::io::laz

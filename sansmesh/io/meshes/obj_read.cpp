@@ -1,9 +1,10 @@
-// Wavefront OBJ: v (with colours on the line), vn and f in all its forms; lines, groups and materials are skipped.
+// Wavefront OBJ: v (with colours on the line), vn, f in all its forms, and l; groups and materials are skipped.
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/meshes/face_sink.h"
+#include "sansmesh/io/meshes/line_input.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/readers.h"
@@ -17,6 +18,40 @@ class ObjReader {
   explicit ObjReader(const Input& in) : in_(in), faces_(in, points_.triangles) {}
 
   PointSet read() {
+    scan();
+    if (positions_.empty()) in_.fail("holds no points (no line 'v x y z')");
+    faces_.done();
+    const std::size_t n = positions_.size();
+    store_positions(in_, points_, n, [&](std::size_t i) { return positions_[i]; });
+    assign_normals();
+    assign_colors();
+    finish(in_, points_);
+    if (textures_) in_.unread("texture coordinates");
+    if (materials_) in_.unread("materials");
+    if (groups_) in_.unread("groups of faces");
+    if (!lines_.empty()) in_.unread("lines");
+    return std::move(points_);
+  }
+
+  PolylineSet read_lines() {
+    scan();
+    PolylineSet lines;
+    std::vector<Vec3> positions;
+    for (const std::vector<std::int64_t>& line : lines_) {
+      for (const std::int64_t v : line) {
+        if (v >= static_cast<std::int64_t>(positions_.size()))
+          in_.fail(fmt::format("a line refers to vertex {}, but there are only {}", grouped(v + 1),
+                               grouped(positions_.size())));
+        positions.push_back(positions_[static_cast<std::size_t>(v)]);
+      }
+      lines.offsets.push_back(positions.size());
+    }
+    place_lines(lines, positions);
+    return lines;
+  }
+
+ private:
+  void scan() {
     TextScanner text(in_.bytes);
     std::string joined;
     while (!text.at_end()) {
@@ -40,24 +75,13 @@ class ObjReader {
         normal(words);
       else if (key == "f" || key == "fo")
         face(words);
+      else if (key == "l")
+        polyline(words);
       else
         other(key);
     }
-    if (positions_.empty()) in_.fail("holds no points (no line 'v x y z')");
-    faces_.done();
-    const std::size_t n = positions_.size();
-    store_positions(in_, points_, n, [&](std::size_t i) { return positions_[i]; });
-    assign_normals();
-    assign_colors();
-    finish(in_, points_);
-    if (textures_) in_.unread("texture coordinates");
-    if (materials_) in_.unread("materials");
-    if (groups_) in_.unread("groups of faces");
-    if (lines_) in_.unread("lines");
-    return std::move(points_);
   }
 
- private:
   [[noreturn]] void malformed(const std::string& what) const {
     in_.fail(fmt::format("line {}: {}", grouped(line_), what));
   }
@@ -67,7 +91,16 @@ class ObjReader {
     textures_ |= key == "vt";
     materials_ |= key == "usemtl";
     groups_ |= key == "g" || key == "o" || key == "s";
-    lines_ |= key == "l";
+  }
+
+  void polyline(TextScanner& words) {
+    lines_.emplace_back();
+    for (std::string_view word = words.word(); !word.empty() && word.front() != '#'; word = words.word()) {
+      std::int64_t v = 0;
+      if (!TextScanner(word).number(v)) malformed(fmt::format("'{}' is not a vertex of a line", word.substr(0, 40)));
+      lines_.back().push_back(resolve(v, positions_.size(), "vertex"));
+    }
+    if (lines_.back().empty()) lines_.pop_back();
   }
 
   void vertex(TextScanner& words) {
@@ -168,10 +201,16 @@ class ObjReader {
   std::vector<std::array<std::int64_t, 2>> uses_;  ///< (vertex, normal) of every corner with a normal
   std::vector<std::int64_t> corners_;
   std::uint64_t line_ = 0;
-  bool textures_ = false, materials_ = false, groups_ = false, lines_ = false;
+  std::vector<std::vector<std::int64_t>> lines_;  ///< vertices of each line
+  bool textures_ = false, materials_ = false, groups_ = false;
 };
 
 }  // namespace
+
+PolylineSet read_obj_lines(const Input& in) {
+  in.report.format = "OBJ";
+  return ObjReader(in).read_lines();
+}
 
 PointSet read_obj(const Input& in) {
   in.report.format = "OBJ";

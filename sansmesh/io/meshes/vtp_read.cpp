@@ -10,6 +10,7 @@
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/meshes/face_sink.h"
+#include "sansmesh/io/meshes/line_input.h"
 #include "sansmesh/io/meshes/vtk_xml.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/points/assemble_points.h"
@@ -90,12 +91,7 @@ class VtpReader {
       first += n;
     }
     if (positions.empty()) return lines;
-    Box3 box;
-    for (const Vec3& p : positions)
-      if (is_finite(p)) box.extend(p);
-    if (!box.empty()) lines.origin = Vec3(Vec3f(box.center()));
-    lines.positions.reserve(positions.size());
-    for (const Vec3& p : positions) lines.positions.push_back(Vec3f(p - lines.origin));
+    place_lines(lines, positions);
     lines.attributes = join_tables(in_, std::move(tables), "pieces").taken(rows);
     return lines;
   }

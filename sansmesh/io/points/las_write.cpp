@@ -7,11 +7,15 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/binary.h"
+#include "sansmesh/io/laz/copc_tree.h"
 #include "sansmesh/io/laz/write_laz.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/points/las_reference.h"
 
 namespace sansmesh::inline v1::io {
+
+using laz::LasSteps;
+
 namespace {
 
 /// Attributes with a field in the record; null if they are missing or do not fit.
@@ -161,6 +165,7 @@ T value_of(const Attribute* a, std::size_t i) {
   return a ? static_cast<T>(a->number(i)) : T{};
 }
 
+constexpr std::size_t kWideHeaderBytes = 375;
 constexpr std::size_t kDescribed = 192, kMostDescribed = 340;
 
 /// The header's records that describe the extra bytes.
@@ -195,9 +200,9 @@ struct LasLayout {
   LasScale scale;
 };
 
-LasLayout las_layout(const PointSet& points) {
+LasLayout las_layout(const PointSet& points, bool octree = false) {
   LasLayout l;
-  l.wide = !older_do(points.attributes), l.colors = points.has_colors();
+  l.wide = octree || !older_do(points.attributes), l.colors = points.has_colors();
   l.fields = las_fields(points.attributes, l.wide);
   l.extras = extra_bytes(points.attributes, l.fields);
   const unsigned colors = l.colors ? 2 : 0;
@@ -214,7 +219,7 @@ LasLayout las_layout(const PointSet& points) {
 std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem* reference) {
   const LasFields& f = l.fields;
   const LasScale& scale = l.scale;
-  std::string header(l.wide ? 375 : kLasHeaderBytes, '\0');
+  std::string header(l.wide ? kWideHeaderBytes : kLasHeaderBytes, '\0');
   std::string described = describe_extras(l.extras);
   const std::vector<std::string> system =
       reference ? las_reference_records(*reference, l.wide) : std::vector<std::string>();
@@ -261,12 +266,18 @@ std::string las_header(const LasLayout& l, std::size_t n, const ReferenceSystem*
   return header + described;
 }
 
+LasSteps las_steps(const LasLayout& l, const PointSet& points, std::size_t i) {
+  const Vec3 x = points.origin + Vec3(points.positions[i]);
+  LasSteps steps;
+  for (std::size_t k = 0; k < 3; ++k)
+    steps[k] = whole_part<std::int32_t>(std::round((x[k] - l.scale.offset[k]) / l.scale.step));
+  return steps;
+}
+
 /// Writes the record of point i; returns its end.
 char* put_las_record(const LasLayout& l, const PointSet& points, std::size_t i, char* p) {
   const LasFields& f = l.fields;
-  const Vec3 x = points.origin + Vec3(points.positions[i]);
-  for (std::size_t k = 0; k < 3; ++k)
-    p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - l.scale.offset[k]) / l.scale.step)));
+  for (const std::int32_t step : las_steps(l, points, i)) p = put_bytes(p, step);
   p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
   const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
   const auto flags = value_of<unsigned>(f.synthetic, i);
@@ -302,6 +313,62 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
   const LasLayout l = las_layout(points);
   std::vector<std::string> parts{las_header(l, points.size(), points.reference.get())};
   append_rows(parts, points.size(), l.record, [&](std::size_t i, char* p) { return put_las_record(l, points, i, p); });
+  return parts;
+}
+
+namespace {
+
+/// Range of times, for the description of the octree.
+void set_times(const LasLayout& l, std::size_t n, laz::CopcDescription& d) {
+  if (!l.fields.time || n == 0) return;
+  d.first_time = d.last_time = l.fields.time->number(0);
+  for (std::size_t i = 1; i < n; ++i) {
+    const double t = l.fields.time->number(i);
+    d.first_time = std::min(d.first_time, t), d.last_time = std::max(d.last_time, t);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> points_to_copc(const PointSet& points, const WriteOptions&) {
+  const LasLayout l = las_layout(points, true);
+  laz::LazLayout packed = laz::laz_layout(l.format, l.record);
+  packed.chunk_points = laz::kVariableChunks;
+  std::vector<LasSteps> steps(points.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = las_steps(l, points, i);
+  const laz::CopcTree tree = laz::make_copc_tree(steps);
+  std::vector<std::uint32_t> order;
+  std::vector<std::size_t> first{0};
+  for (const laz::CopcNode& node : tree.nodes) {
+    order.insert(order.end(), node.points.begin(), node.points.end());
+    first.push_back(order.size());
+  }
+  std::string header = las_header(l, points.size(), points.reference.get());
+  // The description of the octree comes first.
+  header.insert(kWideHeaderBytes, laz::kCopcVlrBytes, '\0');
+  header += laz::laz_vlr(packed);
+  std::vector<std::string> parts =
+      laz::laz_chunks(packed, first, header.size(), [&](std::size_t a, std::size_t b, char* p) {
+        for (std::size_t k = a; k < b; ++k) p = put_las_record(l, points, order[k], p);
+      });
+  std::vector<laz::CopcChunk> chunks;
+  std::uint64_t at = header.size() + parts[0].size();
+  for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
+    chunks.push_back({at, parts[k + 1].size()});
+    at += parts[k + 1].size();
+  }
+  at += parts.back().size();
+  const std::string page = laz::copc_page(tree.nodes, chunks), head = laz::copc_evlr_head(page.size());
+  laz::CopcDescription d{l.scale.offset + tree.center * l.scale.step, tree.half_size * l.scale.step,
+                         tree.spacing * l.scale.step, at + head.size(), page.size()};
+  set_times(l, points.size(), d);
+  header.replace(kWideHeaderBytes, laz::kCopcVlrBytes, laz::copc_vlr(d));
+  header[104] = static_cast<char>(l.format | 0x80);
+  put_at(header, 96, static_cast<std::uint32_t>(header.size()));
+  put_at(header, 100, load<std::uint32_t>(header.data() + 100) + 2);
+  put_at(header, 235, at), put_at(header, 243, std::uint32_t{1});
+  parts.insert(parts.begin(), std::move(header));
+  parts.push_back(head + page);
   return parts;
 }
 

@@ -1,5 +1,7 @@
 #include "sansmesh/points/ground/classify_ground.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -44,6 +46,16 @@ bool is_unclassified(const PointSet& points) {
 /// Whether the ground can be found by shape: the cloud is a terrain, or known to be an airborne survey.
 bool may_have_ground(const PointSet& points) {
   return is_survey_from_above(points) || is_height_field(measure_height_field(points, estimate_noise(points)), true);
+}
+
+/// Number of samples that show whether there is much above the ground, and the least share of these.
+constexpr std::size_t kJudgedSamples = 20000;
+constexpr double kMuchAbove = 0.1;
+
+/// Whether the cloud could come from the air: samples without faces, normals and scanners.
+bool could_be_airborne(const PointSet& points) {
+  return points.triangles.empty() && !points.of_faces && !points.has_normals() && points.scanners.empty() &&
+         points.grid_normals.empty();
 }
 
 }  // namespace
@@ -96,6 +108,30 @@ std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, 
   }
   keep_classes(points, classes);
   return notes;
+}
+
+std::vector<Note> suggest_ground(const PointSet& points) {
+  if (!could_be_airborne(points) || !is_unclassified(points)) return {};
+  PointSet some;
+  const std::size_t step = 1 + points.size() / kJudgedSamples;
+  for (std::size_t i = 0; i < points.size(); i += step) some.positions.push_back(points.positions[i]);
+  if (!is_survey_from_above(points) && !is_height_field(measure_height_field(some, 0), false)) return {};
+  Progress silent;
+  double above = 0;
+  try {
+    const GroundSamples found = find_ground(some, silent);
+    above = static_cast<double>(std::count(found.ground.begin(), found.ground.end(), std::uint8_t{0})) /
+            static_cast<double>(some.size());
+  } catch (const DataError&) {
+    return {};
+  }
+  if (above < kMuchAbove) return {};
+  Note note = with_remedy(remedy("unclassified_survey", "class"),
+                          fmt::format("an airborne survey without classes: {:.0f} % of its points are above the ground "
+                                      "(vegetation, buildings)",
+                                      100 * above));
+  note.severity = Note::Severity::information;
+  return {std::move(note)};
 }
 
 std::vector<Note> leave_out_vegetation(PointSet& points) {

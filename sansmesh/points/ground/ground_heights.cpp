@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/box.h"
@@ -14,6 +16,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/points/ground/breaklines.h"
 #include "sansmesh/points/ground/local_plane.h"
 
 namespace sansmesh::inline v1 {
@@ -91,14 +94,27 @@ Bins make_bins(const PointSet& points, double edge, std::size_t levels) {
   return bins;
 }
 
+/// Heights of a breakline continue one of its sides within this many spacings and deviations of the plane there.
+constexpr double kContinues = 0.15, kContinuingDeviations = 3;
+/// Share of the way to a sample on a breakline that is not to cross it.
+constexpr double kBeforeLine = 1 - 1e-3;
+
 /// Height at a position relative to the corner of the bins; NaN where it is unknown.
 class HeightFinder {
  public:
-  HeightFinder(const PointSet& points, const Bins& bins) : points_(points), bins_(bins) {}
+  HeightFinder(const PointSet& points, const Bins& bins, const Breaklines* lines)
+      : points_(points), bins_(bins), lines_(lines) {}
 
   double at(double x, double y) {
+    double height = find(x, y, lines_);
+    if (std::isnan(height) && lines_) height = find(x, y, nullptr);
+    return height;
+  }
+
+ private:
+  double find(double x, double y, const Breaklines* lines) {
     for (std::size_t l = 0; l < bins_.levels.size(); ++l) {
-      gather(x, y, l);
+      gather(x, y, l, lines);
       const bool near = l == 0 && nearest_ <= kBorder * bins_.edge * kBorder * bins_.edge;
       if (values_.size() >= kFewestForHeight && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding))
         return fit_local_plane(values_, bins_.edge, scratch_).height;
@@ -106,50 +122,102 @@ class HeightFinder {
     return std::numeric_limits<double>::quiet_NaN();
   }
 
- private:
+  /// Adds a sample at (dx, dy) from the centre.
   void add(double dx, double dy, double z, double reach) {
     const double squared = dx * dx + dy * dy, weight = tukey_weight(std::sqrt(squared) / reach);
     if (!(weight > 0)) return;
     values_.push_back({dx, dy, z, weight});
+    surround(dx, dy);
+  }
+  void surround(double dx, double dy) {
     quadrants_ |= 1u << ((dx > 0 ? 1 : 0) + (dy > 0 ? 2 : 0));
-    nearest_ = std::min(nearest_, squared);
+    nearest_ = std::min(nearest_, dx * dx + dy * dy);
   }
 
-  void gather(double x, double y, std::size_t l) {
-    values_.clear(), quadrants_ = 0, nearest_ = std::numeric_limits<double>::infinity();
+  bool sees(double x, double y, double dx, double dy) const {
+    return std::none_of(pieces_.begin(), pieces_.end(),
+                        [&](const Breaklines::Piece& piece) { return piece.separates(x, y, x + dx, y + dy); });
+  }
+
+  void gather(double x, double y, std::size_t l, const Breaklines* lines) {
+    values_.clear(), pieces_.clear(), quadrants_ = 0, nearest_ = std::numeric_limits<double>::infinity();
     const Bins::Level& level = bins_.levels[l];
     const double edge = std::ldexp(bins_.edge, static_cast<int>(l)), reach = (kBinReach + 0.5) * edge;
     const auto column = static_cast<std::ptrdiff_t>(std::floor(x / edge));
     const auto row = static_cast<std::ptrdiff_t>(std::floor(y / edge));
-    for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, row - kBinReach);
-         r <= std::min(level.rows - 1, row + kBinReach); ++r)
-      for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(0, column - kBinReach);
-           c <= std::min(level.columns - 1, column + kBinReach); ++c) {
-        const auto bin = static_cast<std::size_t>(r * level.columns + c);
-        const auto& m = level.means[bin];
-        if (!(m[3] > 0)) continue;
-        if (l > 0) {
-          add(static_cast<double>(m[0]) - x, static_cast<double>(m[1]) - y, static_cast<double>(m[2]), reach);
-          continue;
-        }
-        for (std::uint32_t k = bins_.first[bin]; k < bins_.first[bin + 1]; ++k) {
-          const Vec3 p(points_.positions[bins_.samples[k]]);
-          add(p.x - bins_.left - x, p.y - bins_.bottom - y, p.z, reach);
-        }
+    const auto for_each_bin = [&](std::ptrdiff_t around, auto&& call) {
+      for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(0, row - around); r <= std::min(level.rows - 1, row + around);
+           ++r)
+        for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(0, column - around);
+             c <= std::min(level.columns - 1, column + around); ++c)
+          call(c, r);
+    };
+    if (lines) for_each_bin(kBinReach + 1, [&](auto c, auto r) { lines->append_pieces(l, c, r, pieces_); });
+    for_each_bin(kBinReach, [&](std::ptrdiff_t c, std::ptrdiff_t r) {
+      const auto bin = static_cast<std::size_t>(r * level.columns + c);
+      const auto& m = level.means[bin];
+      if (!(m[3] > 0)) return;
+      const auto add_seen = [&](double dx, double dy, double z) {
+        if (pieces_.empty() || sees(x, y, dx, dy)) add(dx, dy, z, reach);
+      };
+      if (l > 0) {
+        if (pieces_.empty() || !lines->crosses(l, c, r))
+          add_seen(static_cast<double>(m[0]) - x, static_cast<double>(m[1]) - y, static_cast<double>(m[2]));
+        return;
       }
+      for (std::uint32_t k = bins_.first[bin]; k < bins_.first[bin + 1]; ++k) {
+        const Vec3 p(points_.positions[bins_.samples[k]]);
+        add_seen(p.x - bins_.left - x, p.y - bins_.bottom - y, p.z);
+      }
+    });
+    if (!pieces_.empty()) add_lines(x, y, reach);
+  }
+
+  /// Adds the heights of the breaklines that continue the samples on this side; all if there are no samples, none if
+  /// there are too few for a plane.
+  void add_lines(double x, double y, double reach) {
+    const bool judged = values_.size() >= kFewestForHeight, alone = values_.empty();
+    LocalPlane plane;
+    double tolerance = 0;
+    if (judged) {
+      plane = fit_local_plane(values_, bins_.edge, scratch_);
+      scratch_.clear();
+      for (const PlaneValue& v : values_)
+        scratch_.push_back(std::abs(v.z - plane.height - plane.rise_x * v.x - plane.rise_y * v.y));
+      tolerance = kContinues * bins_.edge + kContinuingDeviations * kDeviationOverMedian * median(scratch_);
+    }
+    for (const Breaklines::Piece& piece : pieces_) {
+      const double dx = piece.x() - x, dy = piece.y() - y;
+      if (dx * dx + dy * dy >= reach * reach || !sees(x, y, kBeforeLine * dx, kBeforeLine * dy)) continue;
+      const auto off = [&](double z) { return std::abs(z - plane.height - plane.rise_x * dx - plane.rise_y * dy); };
+      const bool continues = piece.height && (alone || (judged && off(*piece.height) <= tolerance));
+      if (continues)
+        add(dx, dy, *piece.height, reach);
+      else
+        surround(dx, dy);
+    }
   }
 
   const PointSet& points_;
   const Bins& bins_;
+  const Breaklines* lines_;
   std::vector<PlaneValue> values_;
+  std::vector<Breaklines::Piece> pieces_;
   std::vector<double> scratch_;
   unsigned quadrants_ = 0;
   double nearest_ = 0;
 };
 
+std::optional<Breaklines> breaklines_in(const Bins& bins, const PointSet& points, const PolylineSet* lines) {
+  if (!lines || lines->size() == 0) return std::nullopt;
+  BreaklineBins of{bins.edge, points.origin + Vec3{bins.left, bins.bottom, 0}};
+  for (const Bins::Level& level : bins.levels) of.columns.push_back(level.columns), of.rows.push_back(level.rows);
+  return Breaklines(*lines, of);
+}
+
 }  // namespace
 
-HeightGrid make_ground_heights(const PointSet& points, const GroundHeightOptions& options, Progress& progress) {
+GroundHeights make_ground_heights(const PointSet& points, const GroundHeightOptions& options, Progress& progress) {
   progress.begin("heights");
   Box3f box;
   for (const Vec3f& p : points.positions)
@@ -168,13 +236,14 @@ HeightGrid make_ground_heights(const PointSet& points, const GroundHeightOptions
   std::size_t levels = 1;
   for (double reach = kBinReach * options.spacing; 2 * reach < options.gap; reach *= 2) ++levels;
   const Bins bins = make_bins(points, options.spacing, levels);
+  const std::optional<Breaklines> lines = breaklines_in(bins, points, options.breaklines);
   HeightGrid grid{{static_cast<int>(right - left), static_cast<int>(top - bottom)},
                   cell,
                   left * cell,
                   top * cell,
                   points.reference};
   parallel_ranges(0, static_cast<std::size_t>(grid.heights.height), 4, [&](std::size_t begin, std::size_t end) {
-    HeightFinder finder(points, bins);
+    HeightFinder finder(points, bins, lines ? &*lines : nullptr);
     for (std::size_t r = begin; r < end; ++r)
       for (int c = 0; c < grid.heights.width; ++c) {
         const double x = grid.left + (c + 0.5) * cell - points.origin.x - bins.left;
@@ -182,7 +251,7 @@ HeightGrid make_ground_heights(const PointSet& points, const GroundHeightOptions
         grid.heights.at(c, static_cast<int>(r)) = static_cast<float>(points.origin.z + finder.at(x, y));
       }
   });
-  return grid;
+  return {std::move(grid), lines ? lines->lines_inside() : 0};
 }
 
 }  // namespace sansmesh::inline v1

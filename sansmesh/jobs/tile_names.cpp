@@ -1,0 +1,18 @@
+#include "sansmesh/jobs/tile_names.h"
+
+#include <fmt/format.h>
+
+#include "sansmesh/error.h"
+
+namespace sansmesh::inline v1 {
+
+void check_tile_count(double tiles, double most) {
+  if (!(tiles <= most))
+    throw DataError(fmt::format("there are more than {:.0f} tiles: `tile_size` is too small", most));
+}
+
+std::string place_words(double left, double bottom) {
+  return fmt::format("{:.12g}_{:.12g}", left + 0.0, bottom + 0.0);  // no -0
+}
+
+}  // namespace sansmesh::inline v1

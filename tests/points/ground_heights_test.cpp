@@ -1,0 +1,153 @@
+// Height grids of samples, with and without breaklines.
+#include "sansmesh/points/ground/ground_heights.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace sansmesh::inline v1 {
+namespace {
+
+using Terrain = std::function<double(double, double)>;
+
+constexpr double kSize = 80, kNoiseOfSamples = 0.02;
+const Vec3 kOrigin{512000, 5403000, 300};
+
+/// Samples of a square, one per unit of area.
+PointSet samples_of(const Terrain& terrain, const std::function<bool(double, double)>& without = nullptr) {
+  PointSet points;
+  points.origin = kOrigin;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(0, kSize);
+  std::normal_distribution<double> gauss(0, kNoiseOfSamples);
+  for (int i = 0; i < 6400; ++i) {
+    const double x = uniform(random), y = uniform(random);
+    if (without && without(x, y)) continue;
+    points.positions.push_back(Vec3f(Vec3{x, y, terrain(x, y) + gauss(random)}));
+  }
+  return points;
+}
+
+PolylineSet line_of(const std::vector<Vec3>& points) {
+  PolylineSet lines;
+  lines.origin = kOrigin;
+  for (const Vec3& p : points) lines.positions.push_back(Vec3f(p));
+  lines.offsets.push_back(lines.positions.size());
+  return lines;
+}
+
+HeightGrid heights_of(const PointSet& points, const PolylineSet* lines = nullptr) {
+  Progress progress;
+  return make_ground_heights(points, {.cell = 0.5, .spacing = 1, .gap = 40, .breaklines = lines}, progress).grid;
+}
+
+/// Largest and root mean square error of cells whose distance `off` is between 0 and `within`. Unknown heights count as
+/// errors of 100.
+struct HeightErrors {
+  double largest = 0, rms = 0;
+};
+HeightErrors errors_near(const HeightGrid& grid, const Terrain& terrain, const Terrain& off, double within = 2.5) {
+  HeightErrors errors;
+  double n = 0;
+  for (int r = 0; r < grid.heights.height; ++r)
+    for (int c = 0; c < grid.heights.width; ++c) {
+      const double x = grid.left + (c + 0.5) * grid.cell - kOrigin.x, y = grid.top - (r + 0.5) * grid.cell - kOrigin.y;
+      // The borders have samples on one side only.
+      if (std::abs(off(x, y)) > within || std::min({x, y, kSize - x, kSize - y}) < 4) continue;
+      const auto h = static_cast<double>(grid.heights.at(c, r));
+      const double e = std::isnan(h) ? 100 : std::abs(h - kOrigin.z - terrain(x, y));
+      errors.largest = std::max(errors.largest, e), errors.rms += e * e, n += 1;
+    }
+  errors.rms = std::sqrt(errors.rms / n);
+  return errors;
+}
+
+/// Distance from the line of the step, which runs askew to the cells.
+double off_step(double x, double y) { return (x + 0.3 * y - 52) / std::hypot(1, 0.3); }
+double terrace(double x, double y) { return 0.1 * y + (off_step(x, y) >= 0 ? 3 : 0); }
+/// The line of the step in this height over its foot.
+PolylineSet step_line(double over_foot) {
+  return line_of(
+      {{52 + 0.3, -1, -0.1 + over_foot}, {52 - 0.3 * 30, 30, 3 + over_foot}, {52 - 0.3 * 81, 81, 8.1 + over_foot}});
+}
+
+TEST(GroundHeights, BreaklinesKeepTheStepOfATerrace) {
+  const PointSet points = samples_of(terrace);
+  const HeightErrors before = errors_near(heights_of(points), terrace, off_step);
+  EXPECT_GT(before.largest, 1);
+  EXPECT_GT(before.rms, 0.3);
+  // At its top, at its foot, in the middle of the wall, or without heights.
+  PolylineSet flat = step_line(3);
+  for (Vec3f& p : flat.positions) p.z = static_cast<float>(-kOrigin.z);
+  for (const PolylineSet& line : {step_line(3), step_line(0), step_line(1.5), flat}) {
+    const HeightErrors after = errors_near(heights_of(points, &line), terrace, off_step);
+    EXPECT_LT(after.largest, 10 * kNoiseOfSamples);
+    EXPECT_LT(after.rms, kNoiseOfSamples);
+  }
+}
+
+TEST(GroundHeights, BreaklinesKeepTheEdgeOfARidge) {
+  const Terrain ridge = [](double x, double y) { return 10 - 0.8 * std::abs(off_step(x, y)); };
+  const PointSet points = samples_of(ridge);
+  const PolylineSet line = line_of({{52.3, -1, 10}, {52 - 0.3 * 81, 81, 10}});
+  const HeightErrors before = errors_near(heights_of(points), ridge, off_step, 0.5),
+                     after = errors_near(heights_of(points, &line), ridge, off_step, 0.5);
+  EXPECT_GT(before.rms, 0.2);
+  EXPECT_LT(after.rms, 0.02);
+}
+
+// The strip between the two lines of a wall has no samples: its heights are those of its lines.
+TEST(GroundHeights, TwoLinesMakeASlope) {
+  const auto slope = [](double x, double) { return std::clamp(0.75 * (x - 38), 0.0, 3.0); };
+  const PointSet points = samples_of(slope, [](double x, double) { return x > 37.8 && x < 42.2; });
+  PolylineSet lines = line_of({{38, -1, 0}, {38, 81, 0}});
+  lines.positions.push_back({42, -1, 3}), lines.positions.push_back({42, 81, 3});
+  lines.offsets.push_back(4);
+  for (Vec3f& p : lines.positions) p.z -= 1;  // not all heights are 0
+  PointSet lower = points;
+  for (Vec3f& p : lower.positions) p.z -= 1;
+  const Terrain expected = [&](double x, double y) { return slope(x, y) - 1; };
+  const HeightErrors after = errors_near(heights_of(lower, &lines), expected, [](double x, double) { return x - 40; });
+  EXPECT_LT(after.largest, 0.15);
+}
+
+/// Whether all heights are known, 3 or more off the border.
+bool is_filled(const HeightGrid& grid) {
+  for (int r = 6; r + 6 < grid.heights.height; ++r)
+    for (int c = 6; c + 6 < grid.heights.width; ++c)
+      if (std::isnan(grid.heights.at(c, r))) return false;
+  return true;
+}
+
+/// Whether the heights are equal in all columns from `first` on.
+bool is_equal(const HeightGrid& a, const HeightGrid& b, int first = 0) {
+  for (int r = 0; r < a.heights.height; ++r)
+    for (int c = first; c < a.heights.width; ++c) {
+      const float x = a.heights.at(c, r), y = b.heights.at(c, r);
+      if (!(x == y || (std::isnan(x) && std::isnan(y)))) return false;
+    }
+  return true;
+}
+
+TEST(GroundHeights, DistantBreaklinesChangeNothing) {
+  const Terrain waves = [](double x, double y) { return std::sin(x / 7) + std::cos(y / 9); };
+  // Without a house, whose gap is filled.
+  const PointSet points =
+      samples_of(waves, [](double x, double y) { return std::abs(x - 40) < 5 && std::abs(y - 30) < 4; });
+  const PolylineSet none, outside = line_of({{-500, 0, 1}, {-400, 80, 1}}), west = line_of({{1, 1, 1}, {3, 40, 1}});
+  const HeightGrid expected = heights_of(points);
+  EXPECT_TRUE(is_filled(expected));
+  EXPECT_TRUE(is_equal(heights_of(points, &none), expected));
+  EXPECT_TRUE(is_equal(heights_of(points, &outside), expected));
+  EXPECT_FALSE(is_equal(heights_of(points, &west), expected));
+  EXPECT_TRUE(is_equal(heights_of(points, &west), expected, 20));
+  // A closed line around the house has no sample inside: its gap is filled in any case.
+  const PolylineSet outline = line_of({{35, 26, 0}, {45, 26, 0}, {45, 34, 0}, {35, 34, 0}, {35, 26, 0}});
+  EXPECT_TRUE(is_filled(heights_of(points, &outline)));
+}
+
+}  // namespace
+}  // namespace sansmesh::inline v1
