@@ -15,12 +15,12 @@ using LasSteps = std::array<std::int32_t, 3>;
 
 struct CopcNode {
   std::int32_t level = 0;
-  LasSteps place = {};                ///< of its cube among those of the level
+  LasSteps place = {};                ///< cube among those of the level
   std::vector<std::uint32_t> points;  ///< in ascending order
 };
 
 struct CopcTree {
-  Vec3 center;                  ///< of the root's cube (steps)
+  Vec3 center;                  ///< centre of the root's cube (steps)
   double half_size = 0;         ///< half of its edge (steps)
   double spacing = 0;           ///< edge of the cells of which the root has a point each (steps)
   std::vector<CopcNode> nodes;  ///< none is empty; parents first

@@ -12,9 +12,9 @@ namespace sansmesh::inline v1 {
 
 /// Square bins over x and y; level l has bins of 2^l times the edge.
 struct BreaklineBins {
-  double edge = 0;  ///< of level 0 (length)
+  double edge = 0;  ///< edge at level 0 (length)
   Vec3 corner;      ///< lower left corner in world coordinates; z is the origin of heights
-  std::vector<std::ptrdiff_t> columns = {}, rows = {};  ///< of each level
+  std::vector<std::ptrdiff_t> columns = {}, rows = {};  ///< counts at each level
 };
 
 /// Breaklines in pieces at most as long as the bins of a level, relative to the corner of the bins.
@@ -22,7 +22,7 @@ class Breaklines {
  public:
   struct Piece {
     double ax, ay, bx, by;         ///< ends
-    std::optional<double> height;  ///< of the middle, relative to the corner; empty for lines without heights
+    std::optional<double> height;  ///< height of the middle over the corner; empty for lines without heights
 
     double x() const { return 0.5 * (ax + bx); }
     double y() const { return 0.5 * (ay + by); }

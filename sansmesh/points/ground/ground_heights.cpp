@@ -18,6 +18,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/points/ground/breaklines.h"
 #include "sansmesh/points/ground/local_plane.h"
+#include "sansmesh/points/ground/sided_plane.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -31,6 +32,11 @@ constexpr std::size_t kFewestForHeight = 6;
 constexpr int kSurrounding = 3;
 /// Within this many spacings of a sample, a centre on the border of the samples needs two quadrants only.
 constexpr double kBorder = 1;
+
+/// Deviation of samples from their plane that may be a step or an edge: in spacings, and over the median deviation. The
+/// median is that of so many centres.
+constexpr double kStepSpacings = 0.15, kStepDeviations = 3;
+constexpr double kJudgedCentres = 2000;
 
 /// Samples in square bins, and means of 2^l × 2^l bins.
 struct Bins {
@@ -102,22 +108,33 @@ constexpr double kBeforeLine = 1 - 1e-3;
 /// Height at a position relative to the corner of the bins; NaN where it is unknown.
 class HeightFinder {
  public:
-  HeightFinder(const PointSet& points, const Bins& bins, const Breaklines* lines)
-      : points_(points), bins_(bins), lines_(lines) {}
+  /// `least`: deviation of samples from their plane from which there may be a step or an edge (length).
+  HeightFinder(const PointSet& points, const Bins& bins, const Breaklines* lines, double least)
+      : points_(points), bins_(bins), lines_(lines), least_(least), planes_(bins.edge) {}
 
   double at(double x, double y) {
     double height = find(x, y, lines_);
     if (std::isnan(height) && lines_) height = find(x, y, nullptr);
     return height;
   }
+  /// Deviation of the samples from their plane; nothing in gaps.
+  std::optional<double> deviation_at(double x, double y) {
+    gather(x, y, 0, lines_);
+    if (!is_surrounded(0)) return std::nullopt;
+    return planes_.deviation(values_);
+  }
 
  private:
+  bool is_surrounded(std::size_t level) const {
+    const bool near = level == 0 && nearest_ <= kBorder * bins_.edge * kBorder * bins_.edge;
+    return values_.size() >= kFewestForHeight && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding);
+  }
+
   double find(double x, double y, const Breaklines* lines) {
     for (std::size_t l = 0; l < bins_.levels.size(); ++l) {
       gather(x, y, l, lines);
-      const bool near = l == 0 && nearest_ <= kBorder * bins_.edge * kBorder * bins_.edge;
-      if (values_.size() >= kFewestForHeight && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding))
-        return fit_local_plane(values_, bins_.edge, scratch_).height;
+      if (is_surrounded(l))
+        return l == 0 ? planes_.height(values_, least_) : fit_local_plane(values_, bins_.edge, scratch_).height;
     }
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -201,6 +218,8 @@ class HeightFinder {
   const PointSet& points_;
   const Bins& bins_;
   const Breaklines* lines_;
+  double least_;
+  SidedPlanes planes_;
   std::vector<PlaneValue> values_;
   std::vector<Breaklines::Piece> pieces_;
   std::vector<double> scratch_;
@@ -213,6 +232,18 @@ std::optional<Breaklines> breaklines_in(const Bins& bins, const PointSet& points
   BreaklineBins of{bins.edge, points.origin + Vec3{bins.left, bins.bottom, 0}};
   for (const Bins::Level& level : bins.levels) of.columns.push_back(level.columns), of.rows.push_back(level.rows);
   return Breaklines(*lines, of);
+}
+
+/// The deviation from which there may be a step or an edge, from the usual one.
+template <class X, class Y>
+double least_step(HeightFinder finder, const PixelMap<float>& map, const X& x_of, const Y& y_of, double spacing) {
+  const double cells = static_cast<double>(map.width) * map.height;
+  const int step = std::max(1, whole_part<int>(std::sqrt(cells / kJudgedCentres)));
+  std::vector<double> usual;
+  for (int r = step / 2; r < map.height; r += step)
+    for (int c = step / 2; c < map.width; c += step)
+      if (const auto deviation = finder.deviation_at(x_of(c), y_of(r))) usual.push_back(*deviation);
+  return std::max(kStepSpacings * spacing, usual.empty() ? 0 : kStepDeviations * median(usual));
 }
 
 }  // namespace
@@ -242,14 +273,15 @@ GroundHeights make_ground_heights(const PointSet& points, const GroundHeightOpti
                   left * cell,
                   top * cell,
                   points.reference};
+  const auto x_of = [&](int c) { return grid.left + (c + 0.5) * cell - points.origin.x - bins.left; };
+  const auto y_of = [&](int r) { return grid.top - (r + 0.5) * cell - points.origin.y - bins.bottom; };
+  const Breaklines* const separating = lines ? &*lines : nullptr;
+  const double least = least_step(HeightFinder(points, bins, separating, 0), grid.heights, x_of, y_of, options.spacing);
   parallel_ranges(0, static_cast<std::size_t>(grid.heights.height), 4, [&](std::size_t begin, std::size_t end) {
-    HeightFinder finder(points, bins, lines ? &*lines : nullptr);
-    for (std::size_t r = begin; r < end; ++r)
-      for (int c = 0; c < grid.heights.width; ++c) {
-        const double x = grid.left + (c + 0.5) * cell - points.origin.x - bins.left;
-        const double y = grid.top - (static_cast<double>(r) + 0.5) * cell - points.origin.y - bins.bottom;
-        grid.heights.at(c, static_cast<int>(r)) = static_cast<float>(points.origin.z + finder.at(x, y));
-      }
+    HeightFinder finder(points, bins, separating, least);
+    for (int r = static_cast<int>(begin); r < static_cast<int>(end); ++r)
+      for (int c = 0; c < grid.heights.width; ++c)
+        grid.heights.at(c, r) = static_cast<float>(points.origin.z + finder.at(x_of(c), y_of(r)));
   });
   return {std::move(grid), lines ? lines->lines_inside() : 0};
 }
