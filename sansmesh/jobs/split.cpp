@@ -119,6 +119,7 @@ SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options
   result.tile_size = size;
   result.found = rows.size();
   std::vector<std::size_t> sizes;
+  sizes.reserve(rows.size());
   for (const auto& [at, samples] : rows) sizes.push_back(samples.size());
   check_parts(large_enough(sizes, options), options, "points", result);
   for (const auto& [at, samples] : rows) {

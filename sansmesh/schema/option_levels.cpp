@@ -35,7 +35,7 @@ constexpr OptionsOfJob kFirst[] = {
      "output animation forces energies embedded-mesh fixed model stiffness young poisson damping density unit duration "
      "fps frames embedded-volume preset background ascii"},
     {"convert",
-     "output class transform translate center rotate scale up unit to-unit box point-spacing point-count every keep "
+     "output class transform translate center rotate scale up unit to-unit box point-spacing point-count keep "
      "drop weld flip split tile-size ascii"},
     {"volume fit", "output array all-arrays method degree radius time-step fill-value dims type spacing"},
     {"volume probe", "output at points array method degree radius time-step fill-value dims type spacing"},

@@ -60,6 +60,7 @@ void HeightOutput::write(const std::string& output, const HeightGridResult& made
   if (tile_size) {
     const std::vector<HeightTile> tiles = split_height_grid(made.grid, *tile_size);
     std::vector<std::string> places;
+    places.reserve(tiles.size());
     for (const HeightTile& tile : tiles) places.push_back(tile.place);
     const std::vector<std::string> names = names_of_parts(output, tiles.size(), places, inputs, console);
     for (std::size_t k = 0; k < tiles.size(); ++k) write_grid(names[k], tiles[k].grid);

@@ -115,7 +115,8 @@ std::vector<Note> suggest_ground(const PointSet& points) {
   PointSet some;
   const std::size_t step = 1 + points.size() / kJudgedSamples;
   for (std::size_t i = 0; i < points.size(); i += step) some.positions.push_back(points.positions[i]);
-  if (!is_survey_from_above(points) && !is_height_field(measure_height_field(some, 0), false)) return {};
+  // Return numbers do not tell: scans from the ground have them, too.
+  if (!is_height_field(measure_height_field(some, 0), false)) return {};
   Progress silent;
   double above = 0;
   try {
@@ -127,7 +128,7 @@ std::vector<Note> suggest_ground(const PointSet& points) {
   }
   if (above < kMuchAbove) return {};
   Note note = with_remedy(remedy("unclassified_survey", "class"),
-                          fmt::format("an airborne survey without classes: {:.0f} % of its points are above the ground "
+                          fmt::format("a terrain without classes: {:.0f} % of its points are above the ground "
                                       "(vegetation, buildings)",
                                       100 * above));
   note.severity = Note::Severity::information;

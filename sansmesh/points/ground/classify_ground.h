@@ -34,8 +34,8 @@ std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, 
 /// Removes noise, and vegetation if there is ground: a terrain is without them. With a note "classes_left_out".
 std::vector<Note> leave_out_vegetation(PointSet& points);
 
-/// Note "unclassified_survey" for airborne surveys without classes that have much above their ground. Judges 20,000
-/// samples.
+/// Note "unclassified_survey" for airborne surveys without classes, normals and scanners that have a tenth of their
+/// samples or more above the ground. Judges 20,000 samples.
 std::vector<Note> suggest_ground(const PointSet& points);
 
 }  // namespace sansmesh::inline v1
