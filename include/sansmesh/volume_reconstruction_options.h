@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 
 /// Options of the reconstruction of a field from the samples of a volume. Absent options are chosen from the data;
-/// without a method no other option may be set.
+/// without a method no other option but `smoothing` may be set.
 struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
@@ -27,6 +27,9 @@ struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<bool> spherical = {};
   std::optional<bool> robust = {};  ///< mls-detail: robust weights that keep steps between materials sharp
   double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; the default is Catmull–Rom
+  /// All methods: factor of the estimated noise by which the samples are smoothed first; 0: samples are used as they
+  /// are. Default: 1 if noise is found.
+  std::optional<double> smoothing = {};
 
   /// Schema of these options.
   static const OptionSchema& schema();
@@ -40,7 +43,9 @@ struct VolumeReconstructionReport {
   std::string why;                     ///< reason for an automatic choice of the method: a sentence without a full stop
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
-  double noise = 0;                    ///< estimated noise of the values (unit of the array); 0 without an estimate
+  double noise = 0;        ///< deviation of the noise found (unit of the array; largest component); 0 without noise
+  double least_noise = 0;  ///< where the noise varies: deviation in its quietest part
+  double most_noise = 0;   ///< where the noise varies: deviation in its loudest part
   std::size_t bytes = 0;               ///< approximate memory of the field with its samples and cells
 };
 
@@ -55,6 +60,7 @@ struct VolumeTraits {
   /// Root mean square of the same errors, dominated by the few samples next to edges.
   std::array<double, 4> left_out_rms{};
   double noise = 0;  ///< standard deviation of the part that no degree predicts: an upper bound of the noise
+  bool noisy = false;  ///< this part is noise: the residuals of neighbours do not resemble each other
   /// Share of samples next to steps: with an error above ten times the median and above a twentieth of the range.
   double steps = 0;
 

@@ -1,0 +1,100 @@
+#include "sansmesh/volume/samples/near_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr int kMostSteps = 9;  // reach on lattices: an octant at a corner holds 400 samples
+constexpr int kMostRings = 8;
+
+struct LatticeOffset {
+  std::array<std::ptrdiff_t, 3> by;
+  double square;
+};
+
+/// Offsets in steps, nearest first.
+const std::vector<LatticeOffset>& lattice_offsets() {
+  static const std::vector<LatticeOffset> offsets = [] {
+    std::vector<LatticeOffset> all;
+    for (std::ptrdiff_t z = -kMostSteps; z <= kMostSteps; ++z)
+      for (std::ptrdiff_t y = -kMostSteps; y <= kMostSteps; ++y)
+        for (std::ptrdiff_t x = -kMostSteps; x <= kMostSteps; ++x)
+          if (const auto square = x * x + y * y + z * z; square <= kMostSteps * kMostSteps)
+            all.push_back({{x, y, z}, static_cast<double>(square)});
+    std::stable_sort(all.begin(), all.end(),
+                     [](const LatticeOffset& a, const LatticeOffset& b) { return a.square < b.square; });
+    return all;
+  }();
+  return offsets;
+}
+
+}  // namespace
+
+NearSamples::NearSamples(const SampledVolume& volume, std::span<const StarMetric> metrics)
+    : volume_(volume), metrics_(metrics), stencil_(volume) {}
+
+void NearSamples::gather(std::uint32_t sample, std::size_t count) {
+  found_.clear();
+  if (volume_.lattice) {
+    gather_on_lattice(sample, count);
+  } else {
+    // Rings are no balls: half as many samples again reach as far in all directions.
+    stencil_.gather(sample, metrics_[sample], count + count / 2, 4 * count, kMostRings);
+    const auto samples = stencil_.samples();
+    const auto local = stencil_.local();
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      found_.push_back({squared_norm(local[i]), samples[i], local[i]});
+    found_[0].square = -1;  // ahead of coincident ones
+  }
+  if (!volume_.lattice || !volume_.lattice->uniform) std::sort(found_.begin(), found_.end());
+  found_[0].square = 0;
+  std::size_t n = std::min(count, found_.size());
+  while (n < found_.size() && found_[n].square <= found_[n - 1].square * (1 + 1e-9)) ++n;
+  samples_.resize(n), local_.resize(n), squares_.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    samples_[i] = found_[i].sample, local_[i] = found_[i].local, squares_[i] = found_[i].square;
+}
+
+void NearSamples::gather_on_lattice(std::uint32_t sample, std::size_t count) {
+  const Lattice& lattice = *volume_.lattice;
+  const auto at = lattice.indices(sample);
+  std::array<std::ptrdiff_t, 3> own{}, size{};
+  std::array<double, 3> inverse{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    own[k] = static_cast<std::ptrdiff_t>(at[k]), size[k] = static_cast<std::ptrdiff_t>(lattice.axes[k].size());
+    inverse[k] = 1 / lattice_step(lattice.axes[k], at[k]);
+  }
+  double last = std::numeric_limits<double>::infinity();
+  for (const LatticeOffset& offset : lattice_offsets()) {
+    if (offset.square > last) break;
+    std::array<std::ptrdiff_t, 3> to{};
+    bool inside = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      to[k] = own[k] + offset.by[k];
+      inside = inside && to[k] >= 0 && to[k] < size[k];
+    }
+    if (!inside) continue;
+    Vec3 u{static_cast<double>(offset.by[0]), static_cast<double>(offset.by[1]), static_cast<double>(offset.by[2])};
+    if (!lattice.uniform)
+      for (std::size_t k = 0; k < 3; ++k)
+        u[k] = (lattice.axes[k][static_cast<std::size_t>(to[k])] - lattice.axes[k][at[k]]) * inverse[k];
+    found_.push_back({lattice.uniform ? offset.square : squared_norm(u),
+                      static_cast<std::uint32_t>(to[0] + size[0] * (to[1] + size[1] * to[2])), u});
+    if (found_.size() == count) last = offset.square;
+  }
+}
+
+double NearSamples::radius(std::size_t count) const {
+  const std::size_t n = squares_.size();
+  if (count >= n) return std::sqrt(squares_.back()) * 1.1;
+  // A shell of equally near samples is inside as a whole.
+  std::size_t next = count;
+  while (next < n && squares_[next] <= squares_[count - 1] * (1 + 1e-9)) ++next;
+  return next < n ? std::sqrt(squares_[next]) : std::sqrt(squares_.back()) * 1.1;
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,40 @@
+// Noise of the samples of a volume.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume/samples/star_metric.h"
+
+namespace sansmesh::inline v1 {
+
+/// Standard deviations (unit of the array).
+struct SampleNoise {
+  bool found = false;             ///< whether the residuals are those of noise; otherwise all deviations are bounds
+  std::vector<double> typical;    ///< per component: of the volume as a whole
+  std::vector<double> least, most;  ///< per component: where the noise varies, its tenth least and largest parts
+  double correlation = 0;         ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
+  /// Deviation of each component of each sample; empty if it is the same everywhere.
+  std::vector<float> local;
+
+  double at(std::size_t sample, std::size_t component) const {
+    const std::size_t c = typical.size();
+    return local.empty() ? typical[component] : static_cast<double>(local[sample * c + component]);
+  }
+};
+
+/// Estimates white noise from parabolas through the neighbours of some thousand samples, which leave the sample out:
+/// residuals are divided by the deviation that noise of deviation 1 would give them, and their variance is taken
+/// without the tails, to which steps belong (docs/methods/volume-noise.md).
+///
+/// Unresolved structure also leaves residuals, but those of neighbours have the same sign, whereas those of noise have
+/// slightly opposite ones. So noise is found if the mean of 2ab / (a² + b²) over pairs of neighbours is below 0.05;
+/// values with a smallest difference (integers) need noise above 0.6 of it.
+SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
+                           Progress& progress);
+
+}  // namespace sansmesh::inline v1
