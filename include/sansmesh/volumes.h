@@ -140,6 +140,8 @@ struct SANSMESH_API VolumeUse {
   std::size_t samples = 0;         ///< samples of the array
   std::string grid;                ///< description of the grid
   std::vector<std::string> notes;  ///< notes on the values
+  double smoothing = 0;            ///< factor of the noise by which the samples were smoothed; 0: not smoothed
+  double noise = 0;                ///< deviation of the noise (unit of the array), if the samples were smoothed
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -292,6 +294,7 @@ struct SANSMESH_API VolumeInfo {
   std::optional<HeldReconstruction> fitted = {};  ///< for a fitted volume
   std::vector<double> times;                      ///< times of the steps
   std::vector<std::string> file_notes;            ///< notes on reading the file
+  std::optional<double> noise = {};  ///< deviation of the noise of the selected array (unit of the array); 0: none found
   /// Information, and what was dropped or repaired: "merged", "not_finite", "hidden", "overlapped", "degenerate",
   /// "inverted", "layer".
   std::vector<Note> notes = {};

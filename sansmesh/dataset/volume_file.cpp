@@ -65,7 +65,8 @@ Json json_of(const VolumeReconstructionOptions& o) {
           {"robust", json_if(o.robust)},
           {"spherical", json_if(o.spherical)},
           {"b", o.b},
-          {"c", o.c}};
+          {"c", o.c},
+          {"smoothing", json_if(o.smoothing)}};
 }
 
 VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
@@ -89,6 +90,8 @@ VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
   if (json.contains("spherical") && !json.at("spherical").is_null()) o.spherical = json.at("spherical").get<bool>();
   o.b = real_of(json.at("b"));
   o.c = real_of(json.at("c"));
+  // Samples of older files were used as they are.
+  o.smoothing = json.contains("smoothing") ? real("smoothing") : std::optional(0.0);
   o.validate();
   return o;
 }

@@ -100,8 +100,8 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
               "parabolas, {} by cubics",
               share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
               share_words(t.left_out[3])),
-          fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
-                      share_words(t.steps)),
+          fmt::format("  noise {}{} of the range{}; steps at {} of the samples", t.noisy ? "" : "at most ",
+                      share_words(t.noise), t.noisy ? ", smoothed first" : "", share_words(t.steps)),
           titled("reconstruction", fmt::format("{}, since it is {}", offer.recommended.method, offer.recommended.why))};
 }
 
@@ -119,6 +119,8 @@ const ReportSchema& VolumeAdvice::schema() {
           {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
       reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.noise); }>(
           {.name = "noise", .text = "Upper bound of the noise", .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.noisy); }>(
+          {.name = "noisy", .text = "Whether noise was found, which reconstructions smooth first"}),
       reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.steps); }>(
           {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
       reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.resolved()); }>(

@@ -32,6 +32,10 @@ VolumeInfo contents_of(const VolumeModel& volume, Progress& progress) {
     info.fitted = {fitted->array, fitted->chosen, fitted->coefficients.by_degree()};
   info.times = dataset.times();
   info.file_notes = dataset.notes();
+  if (!dataset.arrays().empty()) {
+    const VolumeTraits& traits = volume.traits(progress);
+    info.noise = traits.noisy ? traits.noise * traits.range : 0;
+  }
   return info;
 }
 
@@ -95,6 +99,8 @@ const ReportSchema& VolumeInfo::schema() {
       fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
       fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
       reported<&VolumeInfo::arrays>({.text = "Arrays"}),
+      reported<&VolumeInfo::noise>(
+          {.name = "noise", .text = "Deviation of the noise of the selected array, 0 if none is found", .unit = "value"}),
       reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
       reported<&VolumeInfo::times>({.text = "Times of the steps"}),
       reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};
@@ -162,6 +168,8 @@ std::vector<std::string> summary_of(const VolumeInfo& made) {
     line("times", fmt::format("{}, from {:.6g} to {:.6g}", counted(made.times.size(), "step"), made.times.front(),
                               made.times.back()));
   for (const AttributeInfo& array : made.arrays) line("array", array_words(array));
+  if (made.noise)
+    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, smoothed by reconstructions", *made.noise) : "none found");
   if (made.fitted) add_fitted(*made.fitted, lines);
   return lines;
 }

@@ -251,14 +251,18 @@ VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
           .why = report.why,
           .samples = samples->size(),
           .grid = samples->facts.grid,
-          .notes = report.notes};
+          .notes = report.notes,
+          .smoothing = report.options.smoothing.value_or(0),
+          .noise = report.noise};
 }
 
 std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress) {
   const VolumeReconstructionReport& r = volume.report();
   const auto samples = volume.samples(progress);
-  return {fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
-                      r.why.empty() ? "" : ", since it is " + r.why),
+  const double smoothing = r.options.smoothing.value_or(0);
+  return {fmt::format("{}: by {}{}{}", volume.array_name(), r.options.method.value(),
+                      r.why.empty() ? "" : ", since it is " + r.why,
+                      smoothing > 0 ? fmt::format("; smoothed by {} times its noise of {:.3g}", smoothing, r.noise) : ""),
           fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
@@ -272,7 +276,11 @@ const ReportSchema& VolumeUse::schema() {
           {.name = "why", .text = "Reason for the method, if it was chosen automatically"}),
       reported<&VolumeUse::samples>({.text = "Samples"}),
       reported<&VolumeUse::grid>({.text = "Description of the grid"}),
-      reported<&VolumeUse::notes>({.text = "Notes on the values"})};
+      reported<&VolumeUse::notes>({.text = "Notes on the values"}),
+      reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0, r.smoothing); }>(
+          {.name = "smoothing", .text = "Factor of the noise by which the samples were smoothed first"}),
+      reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0, r.noise); }>(
+          {.name = "noise", .text = "Deviation of the noise of the samples", .unit = "value"})};
   return report_schema<rows>();
 }
 

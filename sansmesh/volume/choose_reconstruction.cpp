@@ -14,7 +14,15 @@ constexpr std::size_t kLargeGrid = 20'000'000;
 
 VolumeReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
   const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
+  if (traits.noisy && volume.size() <= (volume.lattice ? kLargeLattice : kLargeGrid))
+    return {"mls-detail", fmt::format("a {} with noise ({} of the range), which is smoothed first: local polynomials "
+                                      "gain most",
+                                      volume.lattice ? "lattice" : "grid", percent(traits.noise))};
   if (volume.lattice) {
+    if (traits.noisy)
+      return {"cubic", fmt::format("a large lattice with noise ({} of the range), which is smoothed first: cubics "
+                                   "through its samples are smooth and quick",
+                                   percent(traits.noise))};
     if (!traits.resolved())
       return {
           "cubic",

@@ -9,6 +9,8 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/samples/sample_noise.h"
+#include "sansmesh/volume/samples/star_metric.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -150,6 +152,12 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
+  if (const SampleNoise noise = estimate_noise(
+          volume, values, volume.lattice ? std::vector<StarMetric>() : star_metrics(volume), progress);
+      noise.found) {
+    t.noisy = true;
+    t.noise = *std::max_element(noise.typical.begin(), noise.typical.end()) / t.range;
+  }
   std::size_t stepped = 0;
   for (const Prediction& p : predictions)
     stepped += p.error[2] > kStepMedians * t.left_out[2] * t.range && p.error[2] > kStepShare * t.range;

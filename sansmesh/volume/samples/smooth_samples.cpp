@@ -14,15 +14,18 @@ namespace {
 
 /// Neighbours of the three widths, and of the passes that find steps.
 constexpr std::array<std::size_t, 3> kWidths{57, 137, 271};
-constexpr std::size_t kCandidates = 2 * kWidths.size();
+/// Fits of each width: degree 2 and 1 with robust weights, and without.
+constexpr std::size_t kFits = 4, kCandidates = kFits * kWidths.size();
 constexpr std::size_t kFirstLook = 27, kSecondLook = 57, kThirdLook = 81;
 /// Differences in deviations of the noise beyond which a neighbour does not count: of samples, and of means of these.
 constexpr double kApart = 4.5, kMeansApart = 3;
 /// σ of the robust weights, in deviations of the noise.
 constexpr double kRobust = 2;
 /// Pooling of errors: passes over stars, and the accepted error of the pooled mean in variances of the noise.
-constexpr int kPasses = 8;
-constexpr double kAccepted = 0.08;
+constexpr int kPasses = 16;
+/// Added error of fits whose robust weights are neither 0 nor 1: such weights follow the noise.
+constexpr double kVague = 2;
+constexpr double kAccepted = 0.03;
 constexpr double kLeastWeight = 1e-4;
 constexpr std::size_t kGrain = 256;
 
@@ -177,11 +180,19 @@ class SampleSmoother {
         for (std::size_t w = 0; w < kWidths.size(); ++w) {
           const double radius = near.radius(kWidths[w]), inside = 1 / (radius * radius);
           weights.clear();
-          for (std::size_t j = 0; j < robust.size() && near.squares()[j] * inside < 1; ++j)
+          double vague = 0, whole = 0;
+          for (std::size_t j = 0; j < robust.size() && near.squares()[j] * inside < 1; ++j) {
             weights.push_back((1 - near.squares()[j] * inside) * robust[j]);
+            vague += weights.back() * (1 - robust[j]), whole += weights.back();
+          }
           fit.weigh(weights);
-          for (int degree = 2; degree >= 1; --degree)
-            keep(i, 2 * w + static_cast<std::size_t>(2 - degree), near, fit.coefficients(degree), inverse);
+          vague *= kVague / whole;
+          keep(i, kFits * w, near, fit.coefficients(2), inverse, vague);
+          keep(i, kFits * w + 1, near, fit.coefficients(1), inverse, vague);
+          for (std::size_t j = 0; j < weights.size(); ++j) weights[j] = 1 - near.squares()[j] * inside;
+          fit.weigh(weights);
+          keep(i, kFits * w + 2, near, fit.coefficients(2), inverse, 0);
+          keep(i, kFits * w + 3, near, fit.coefficients(1), inverse, 0);
         }
       }
     });
@@ -190,7 +201,7 @@ class SampleSmoother {
   /// Stores the change of the sample's value by a candidate, its variance, and an unbiased estimate of its squared error
   /// in variances of the noise: (f − p)² / σ² − 1 + 2 l, with l the sample's own coefficient.
   void keep(std::size_t i, std::size_t candidate, const NearSamples& near, std::span<const double> l,
-            const std::vector<double>& inverse) {
+            const std::vector<double>& inverse, double vague) {
     const std::size_t at = i * kCandidates + candidate;
     double variance = 0, error = 0, noisy = 0;
     for (const double a : l) variance += a * a;
@@ -203,7 +214,7 @@ class SampleSmoother {
       error += rise * rise * inverse[m] - 1 + 2 * l[0], ++noisy;
     }
     variances_[at] = static_cast<float>(variance);
-    errors_[at] = static_cast<float>(error / noisy);
+    errors_[at] = static_cast<float>(error / noisy + vague);
   }
 
   /// Means of the errors over each sample and its star, without those across steps.
