@@ -237,6 +237,55 @@ struct ResampleResult {
 /// not fit into floats, Cancelled.
 SANSMESH_API ResampleResult resample(const VolumeModel& volume, const ResampleOptions& options, Progress& progress);
 
+// ---- Smoothing ---------------------------------------------------------------------------------------------------
+
+/// Options of smoothed samples. The factor of the noise is `smoothing` of the volume's reconstruction.
+struct SANSMESH_API SmoothVolumeOptions {
+  bool all_arrays = false;  ///< smooths all arrays of the same samples, not only the selected one
+  bool deviations = false;  ///< adds an array NAME_deviation: the estimated remaining deviation (unit of the array)
+
+  /// Option rows, one per field.
+  static const OptionSchema& schema();
+};
+
+/// Noise of one array.
+struct SANSMESH_API SmoothedArray {
+  std::string name;      ///< name of the array
+  double smoothing = 0;  ///< factor of the noise; 0: no noise was found, and the values are unchanged
+  double noise = 0;      ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
+  double least_noise = 0;  ///< the same in the quietest part
+  double most_noise = 0;   ///< the same in the loudest part
+
+  static const ReportSchema& schema();  ///< report rows
+};
+
+/// Report of smooth_volume().
+struct SANSMESH_API SmoothVolumeReport {
+  std::size_t samples = 0;            ///< samples of the volume
+  std::vector<SmoothedArray> arrays;  ///< smoothed arrays
+
+  static const ReportSchema& schema();  ///< report rows
+};
+
+/// Smoothed samples on their own grid.
+struct SmoothVolumeResult {
+  std::shared_ptr<const SampledVolume> samples;  ///< samples, cells, and only the smoothed arrays
+  SmoothVolumeReport report;                     ///< noise of each array
+  std::vector<Note> notes;                       ///< "no_noise": no array was changed
+};
+
+/// Smooths the samples by what their noise asks for and keeps steps. Throws ArgumentError if options of a
+/// reconstruction other than `smoothing` are set, DataError, Cancelled.
+SANSMESH_API SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOptions& options,
+                                              Progress& progress);
+
+/// Noise of each array as lines of text.
+SANSMESH_API std::vector<std::string> summary_of(const SmoothVolumeReport& report);
+
+/// Writes smoothed samples: .vtu (any grid), .vti, .mhd, .mha or .nrrd (uniform grids with values at points). Throws
+/// FileError, ArgumentError for other grids.
+SANSMESH_API void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed);
+
 // ---- Fitting -----------------------------------------------------------------------------------------------------
 
 /// Options of a fitted volume.

@@ -13,9 +13,7 @@
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_input.h"
-#include "sansmesh/volume/samples/sample_noise.h"
-#include "sansmesh/volume/samples/smooth_samples.h"
-#include "sansmesh/volume/samples/star_metric.h"
+#include "sansmesh/volume/smoothed_values.h"
 #include "sansmesh/volume/volume_traits.h"
 
 namespace sansmesh::inline v1 {
@@ -79,24 +77,6 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
                   printable(values.name, 60), most, rest, method));
 }
 
-/// Smooths the samples if they are noisy, or as asked for, and reports it.
-void smooth_values(const SampledVolume& volume, VolumeValues& values, VolumeReconstructionReport& report,
-                   std::span<const double> scales, Progress& progress) {
-  std::optional<double>& factor = report.options.smoothing;
-  if (factor && *factor == 0) return;
-  const std::vector<StarMetric> metrics = volume.lattice ? std::vector<StarMetric>() : star_metrics(volume);
-  const SampleNoise noise = estimate_noise(volume, values, metrics, progress);
-  if (!factor) factor = noise.found ? 1 : 0;
-  for (std::size_t m = 0; m < values.components; ++m) {
-    const double unit = scales.empty() ? 1 : scales[m];
-    report.noise = std::max(report.noise, noise.typical[m] / unit);
-    report.least_noise = std::max(report.least_noise, noise.least[m] / unit);
-    report.most_noise = std::max(report.most_noise, noise.most[m] / unit);
-  }
-  if (*factor == 0) report.noise = report.least_noise = report.most_noise = 0;
-  if (*factor > 0) values.values = smooth_samples(volume, values, metrics, noise, *factor, progress).values;
-}
-
 }  // namespace
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
@@ -119,6 +99,10 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!values.filled.empty())
     r.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                   values.filled.size(), volume->size()));
+  SmoothedValues smooth = smoothed_values(*volume, std::move(values), options.smoothing, progress);
+  values = std::move(smooth.values);
+  r.options.smoothing = smooth.smoothing;
+  r.noise = smooth.noise, r.least_noise = smooth.least_noise, r.most_noise = smooth.most_noise;
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
@@ -126,7 +110,6 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);
-  smooth_values(*volume, values, r, factors, progress);
   std::unique_ptr<VolumeField> field =
       method.make({std::move(volume), std::move(values), r.options, progress, r, used});
   if (!used.empty()) used.scales = factors;

@@ -18,6 +18,7 @@ std::vector<Command> add_volume(CommandLine& app);
 Command add_volume_fit(CommandLine& volume);
 Command add_volume_probe(CommandLine& volume);
 Command add_volume_resample(CommandLine& volume);
+Command add_volume_smooth(CommandLine& volume);
 Command add_volume_isosurface(CommandLine& volume);
 Command add_volume_render(CommandLine& volume);
 Command add_volume_surface(CommandLine& volume);

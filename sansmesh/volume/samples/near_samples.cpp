@@ -8,8 +8,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kMostSteps = 9;  // reach on lattices: an octant at a corner holds 400 samples
-constexpr int kMostRings = 8;
+constexpr int kMostLatticeSteps = 9;  // reach on lattices: an octant at a corner holds 400 samples
+constexpr int kMostNearRings = 8;
 
 struct LatticeOffset {
   std::array<std::ptrdiff_t, 3> by;
@@ -20,10 +20,10 @@ struct LatticeOffset {
 const std::vector<LatticeOffset>& lattice_offsets() {
   static const std::vector<LatticeOffset> offsets = [] {
     std::vector<LatticeOffset> all;
-    for (std::ptrdiff_t z = -kMostSteps; z <= kMostSteps; ++z)
-      for (std::ptrdiff_t y = -kMostSteps; y <= kMostSteps; ++y)
-        for (std::ptrdiff_t x = -kMostSteps; x <= kMostSteps; ++x)
-          if (const auto square = x * x + y * y + z * z; square <= kMostSteps * kMostSteps)
+    for (std::ptrdiff_t z = -kMostLatticeSteps; z <= kMostLatticeSteps; ++z)
+      for (std::ptrdiff_t y = -kMostLatticeSteps; y <= kMostLatticeSteps; ++y)
+        for (std::ptrdiff_t x = -kMostLatticeSteps; x <= kMostLatticeSteps; ++x)
+          if (const auto square = x * x + y * y + z * z; square <= kMostLatticeSteps * kMostLatticeSteps)
             all.push_back({{x, y, z}, static_cast<double>(square)});
     std::stable_sort(all.begin(), all.end(),
                      [](const LatticeOffset& a, const LatticeOffset& b) { return a.square < b.square; });
@@ -43,7 +43,7 @@ void NearSamples::gather(std::uint32_t sample, std::size_t count) {
     gather_on_lattice(sample, count);
   } else {
     // Rings are no balls: half as many samples again reach as far in all directions.
-    stencil_.gather(sample, metrics_[sample], count + count / 2, 4 * count, kMostRings);
+    stencil_.gather(sample, metrics_[sample], count + count / 2, 4 * count, kMostNearRings);
     const auto samples = stencil_.samples();
     const auto local = stencil_.local();
     for (std::size_t i = 0; i < samples.size(); ++i)

@@ -16,31 +16,26 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPairs = 8000;     // examined pairs of neighbours
-constexpr std::size_t kNeighbours = 56;  // of a parabola
+constexpr std::size_t kParabolaNeighbours = 56;  // of a parabola
 constexpr std::size_t kFewest = 40;      // pairs below which nothing can be said
-constexpr double kMostVariance = 3;      // of a prediction, in variances of a sample
-constexpr double kTails = 2.5, kKept = 0.9113;  // variance of a normal deviate without its tails
-constexpr double kLikeNoise = 0.05, kAlternating = -0.5, kSpread = 0.6;
+constexpr double kMostPredicted = 3;      // of a prediction, in variances of a sample
+constexpr double kNoiseTails = 2.5, kWithoutTails = 0.9113;  // variance of a normal deviate without its tails
+constexpr double kLikeNoise = 0.05, kAlternating = -0.5, kSpreadOfPair = 0.6;
 constexpr double kQuanta = 0.6;          // noise below is rounding to integers
-constexpr double kRounding = 2e-6;       // relative to the largest value: rounding to floats
-constexpr std::size_t kBins = 12, kInBin = 60;
+constexpr double kRoundedToFloat = 2e-6;       // relative to the largest value: rounding to floats
 
-/// A sample's value minus its prediction, over the deviation for noise of deviation 1.
-struct Residual {
-  bool known = false;
-  std::uint32_t sample = 0;
-};
 
-class Residuals {
+/// Values minus their predictions, over the deviation for noise of deviation 1.
+class LeftOutResiduals {
  public:
-  Residuals(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics)
+  LeftOutResiduals(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics)
       : values_(values), near_(volume, metrics) {}
 
   /// Appends residuals and predictions of all components; false without a reliable prediction.
   bool of(std::uint32_t sample, double* residuals, double* predictions) {
-    near_.gather(sample, kNeighbours + 1);
+    near_.gather(sample, kParabolaNeighbours + 1);
     const auto u = near_.local();
-    const double radius = near_.radius(kNeighbours + 1);
+    const double radius = near_.radius(kParabolaNeighbours + 1);
     weights_.assign(u.size(), 0.0);
     for (std::size_t j = 1; j < u.size(); ++j)
       weights_[j] = std::max(1 - near_.squares()[j] / (radius * radius), 0.0);
@@ -49,7 +44,7 @@ class Residuals {
     const auto l = fit_.coefficients(2);
     double variance = 0, sum = 0;
     for (const double c : l) variance += c * c, sum += c;
-    if (!(variance > 0 && variance <= kMostVariance && std::abs(sum - 1) < 1e-6)) return false;
+    if (!(variance > 0 && variance <= kMostPredicted && std::abs(sum - 1) < 1e-6)) return false;
     const double unit = 1 / std::sqrt(1 + variance);
     const std::size_t c = values_.components;
     for (std::size_t m = 0; m < c; ++m) {
@@ -78,8 +73,8 @@ double deviation_of(std::vector<double> magnitudes) {
   double s = kDeviationOverMedian * magnitudes[magnitudes.size() / 2];
   for (int again = 0; again < 50 && s > 0; ++again) {
     const auto n = static_cast<std::size_t>(
-        std::upper_bound(magnitudes.begin(), magnitudes.end(), kTails * s) - magnitudes.begin());
-    const double next = n > 0 ? std::sqrt(squares[n] / (static_cast<double>(n) * kKept)) : 0;
+        std::upper_bound(magnitudes.begin(), magnitudes.end(), kNoiseTails * s) - magnitudes.begin());
+    const double next = n > 0 ? std::sqrt(squares[n] / (static_cast<double>(n) * kWithoutTails)) : 0;
     if (std::abs(next - s) <= 1e-6 * s) return next;
     s = next;
   }
@@ -104,7 +99,7 @@ double quantum_of(std::vector<double> values) {
   return quantum;
 }
 
-/// Residuals of pairs of neighbours, in the order of samples.
+/// LeftOutResiduals of pairs of neighbours, in the order of samples.
 struct Pairs {
   std::size_t components = 1;
   std::vector<std::uint32_t> sample;          ///< two per pair
@@ -119,7 +114,7 @@ Pairs look_at_pairs(const SampledVolume& volume, const VolumeValues& values, std
   std::vector<std::uint8_t> known(count, 0);
   progress.begin("look at noise", count);
   parallel_ranges(0, count, 64, [&](std::size_t begin, std::size_t end) {
-    Residuals residuals(volume, values, metrics);
+    LeftOutResiduals residuals(volume, values, metrics);
     std::vector<std::uint32_t> star;
     for (std::size_t k = begin; k < end; ++k) {
       // Equal steps through a lattice would stay in few of its planes.
@@ -161,7 +156,7 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
                            Progress& progress) {
   const std::size_t c = values.components;
   const Pairs pairs = look_at_pairs(volume, values, metrics, progress);
-  const double rounding = kRounding * largest_value(values);
+  const double rounding = kRoundedToFloat * largest_value(values);
   SampleNoise noise;
   noise.typical.assign(c, 0.0);
   double sum = 0;
@@ -177,14 +172,14 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
     above = above || s > kQuanta * quantum_of(std::move(own));
     for (std::size_t k = m; k < pairs.residual.size(); k += 2 * c) {
       const double a = pairs.residual[k], b = pairs.residual[k + c], square = a * a + b * b;
-      if (!(square <= 2 * (kTails * s) * (kTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding) continue;
+      if (!(square <= 2 * (kNoiseTails * s) * (kNoiseTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding) continue;
       sum += 2 * a * b / square, ++count;
     }
   }
   noise.least = noise.most = noise.typical;
   if (count < kFewest) return noise;
   noise.correlation = sum / static_cast<double>(count);
-  const double spread = kSpread / std::sqrt(static_cast<double>(count));
+  const double spread = kSpreadOfPair / std::sqrt(static_cast<double>(count));
   noise.found = above && noise.correlation + spread <= kLikeNoise && noise.correlation >= kAlternating;
   return noise;
 }

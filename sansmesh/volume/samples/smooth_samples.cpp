@@ -18,16 +18,16 @@ constexpr std::array<std::size_t, 3> kWidths{57, 137, 271};
 constexpr std::size_t kFits = 4, kCandidates = kFits * kWidths.size();
 constexpr std::size_t kFirstLook = 27, kSecondLook = 57, kThirdLook = 81;
 /// Differences in deviations of the noise beyond which a neighbour does not count: of samples, and of means of these.
-constexpr double kApart = 4.5, kMeansApart = 3;
+constexpr double kSamplesApart = 4.5, kMeansApart = 3;
 /// σ of the robust weights, in deviations of the noise.
 constexpr double kRobust = 2;
 /// Pooling of errors: passes over stars, and the accepted error of the pooled mean in variances of the noise.
-constexpr int kPasses = 16;
+constexpr int kPoolPasses = 16;
 /// Added error of fits whose robust weights are neither 0 nor 1: such weights follow the noise.
 constexpr double kVague = 2;
 constexpr double kAccepted = 0.03;
-constexpr double kLeastWeight = 1e-4;
-constexpr std::size_t kGrain = 256;
+constexpr double kLeastRobust = 1e-4;
+constexpr std::size_t kSmoothGrain = 256;
 
 double biweight(double t2) { return t2 < 1 ? (1 - t2) * (1 - t2) : 0; }
 
@@ -45,14 +45,14 @@ class SampleSmoother {
 
   SmoothedSamples smooth(Progress& progress) {
     progress.begin("smooth", 4);
-    look(values_.values, kFirstLook, kApart);
+    look(values_.values, kFirstLook, kSamplesApart);
     progress.advance();
     look(pilot_, kSecondLook, kMeansApart);
     progress.advance();
     find_slopes();
     progress.advance();
     fit_candidates();
-    for (int pass = 0; pass < kPasses; ++pass) pool();
+    for (int pass = 0; pass < kPoolPasses; ++pass) pool();
     SmoothedSamples result = choose();
     progress.advance();
     return result;
@@ -87,7 +87,7 @@ class SampleSmoother {
   void look(const std::vector<double>& by, std::size_t count, double apart) {
     std::vector<double> means(values_.values);
     const double unit = 1 / (apart * apart);
-    parallel_ranges(0, n_, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
       std::vector<double> inverse(c_), sums(c_);
       for (std::size_t i = begin; i < end; ++i) {
@@ -116,7 +116,7 @@ class SampleSmoother {
     std::vector<double> values(values_.values);
     slopes_.assign(n_ * c_, Vec3f{});
     const double unit = 1 / (kMeansApart * kMeansApart);
-    parallel_ranges(0, n_, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
       CentreFit fit;
       std::vector<double> inverse(c_), weights, f;
@@ -160,7 +160,7 @@ class SampleSmoother {
         most = std::max(most, std::min(level * level, plane * plane) * inverse[m]);
       }
       const double w = std::exp(-most / (2 * kRobust * kRobust));
-      robust.push_back(w < kLeastWeight ? 0 : w);
+      robust.push_back(w < kLeastRobust ? 0 : w);
     }
   }
 
@@ -168,7 +168,7 @@ class SampleSmoother {
     changes_.assign(n_ * kCandidates * c_, 0.0f);
     variances_.assign(n_ * kCandidates, 1.0f);
     errors_.assign(n_ * kCandidates, 1.0f);
-    parallel_ranges(0, n_, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
       CentreFit fit;
       std::vector<double> inverse(c_), robust, weights;
@@ -221,7 +221,7 @@ class SampleSmoother {
   void pool() {
     std::vector<float> pooled(errors_.size());
     const double unit = 1 / (2 * kMeansApart * kMeansApart);
-    parallel_ranges(0, n_, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> star;
       std::vector<double> inverse(c_);
       for (std::size_t i = begin; i < end; ++i) {
@@ -246,7 +246,7 @@ class SampleSmoother {
 
   SmoothedSamples choose() const {
     SmoothedSamples result{values_.values, std::vector<float>(n_ * c_, 0.0f)};
-    parallel_for(0, n_, kGrain, [&](std::size_t i) {
+    parallel_for(0, n_, kSmoothGrain, [&](std::size_t i) {
       double least = 1;
       std::size_t best = kCandidates;
       for (std::size_t k = 0; k < kCandidates; ++k) {

@@ -1,0 +1,167 @@
+// Smoothed samples of volumes on their own grid.
+#include <fmt/core.h>
+
+#include <array>
+#include <utility>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io/grids/write_cells.h"
+#include "sansmesh/io/grids/write_volume.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/with_name.h"
+#include "sansmesh/volume/smoothed_values.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Arrays to smooth: the selected one, or all real ones of the same samples.
+std::vector<std::string> arrays_to_smooth(const VolumeModel& volume, bool all) {
+  if (!all) return {volume.choice().array};
+  std::vector<std::string> names;
+  for (const DatasetArray& a : volume.arrays())
+    if (a.of == volume.array().of) names.push_back(a.name);
+  return names;
+}
+
+/// Corners of the cells of a lattice: its samples, or the planes between them if these are in cells.
+Lattice corner_lattice(const SampledVolume& volume) {
+  Lattice lattice = *volume.lattice;
+  if (!volume.in_cells) return lattice;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<double> centres = std::move(lattice.axes[k]);
+    std::vector<double>& axis = lattice.axes[k];
+    axis = {lattice.lower[k]};
+    for (std::size_t i = 1; i < centres.size(); ++i) axis.push_back(0.5 * (centres[i - 1] + centres[i]));
+    axis.push_back(lattice.upper[k]);
+  }
+  return lattice;
+}
+
+CellList hexahedra_of(const Lattice& lattice) {
+  const std::size_t nx = lattice.axes[0].size(), ny = lattice.axes[1].size(), nz = lattice.axes[2].size();
+  const auto at = [&](std::size_t i, std::size_t j, std::size_t k) {
+    return static_cast<std::uint32_t>(i + nx * (j + ny * k));
+  };
+  // Mirroring axes turn cells inside out.
+  const bool mirrored = dot(cross(lattice.directions[0], lattice.directions[1]), lattice.directions[2]) < 0;
+  CellList cells;
+  for (std::size_t k = 0; k + 1 < nz; ++k)
+    for (std::size_t j = 0; j + 1 < ny; ++j)
+      for (std::size_t i = 0; i + 1 < nx; ++i) {
+        std::array<std::uint32_t, 8> c{at(i, j, k),         at(i + 1, j, k),         at(i + 1, j + 1, k),
+                                       at(i, j + 1, k),     at(i, j, k + 1),         at(i + 1, j, k + 1),
+                                       at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)};
+        if (mirrored)
+          for (std::size_t v = 0; v < 4; ++v) std::swap(c[v], c[v + 4]);
+        cells.add(CellShape::hexahedron, c);
+      }
+  return cells;
+}
+
+void write_as_cells(const std::string& file, const SampledVolume& volume) {
+  if (volume.lattice) {
+    const Lattice lattice = corner_lattice(volume);
+    std::vector<Vec3> points(lattice.size());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = lattice.position(i);
+    const AttributeTable none;
+    return write_cells(file, points, hexahedra_of(lattice), volume.in_cells ? none : volume.attributes,
+                       volume.in_cells ? volume.attributes : none);
+  }
+  if (volume.corners.empty()) return write_cells(file, volume.positions, volume.cells, volume.attributes, {});
+  write_cells(file, volume.corners, volume.cells, {}, volume.attributes.taken(volume.cell_sample));
+}
+
+}  // namespace
+
+SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOptions& options, Progress& progress) {
+  VolumeReconstructionOptions by = volume.options().reconstruction;
+  const std::optional<double> factor = std::exchange(by.smoothing, {});
+  check_argument(options_set(by).empty(), "samples are smoothed before any reconstruction: of its options only "
+                                          "`smoothing` counts");
+  const auto samples = volume.samples(progress);
+  auto result = std::make_shared<SampledVolume>(*samples);
+  SmoothVolumeResult smoothed;
+  result->attributes.clear();
+  bool changed = false;
+  for (const std::string& name : arrays_to_smooth(volume, options.all_arrays)) {
+    SmoothedValues smooth = with_name(volume.name(), [&] {
+      return smoothed_values(*samples, volume_values(*samples, name), factor, progress);
+    });
+    const std::size_t components = smooth.values.components;
+    changed = changed || smooth.smoothing > 0;
+    if (smooth.smoothing > 0)
+      result->attributes.set(name, std::move(smooth.values.values), components);
+    else
+      result->attributes.set(*samples->attributes.find(name));
+    if (options.deviations) {
+      smooth.deviations.resize(samples->size() * components, 0.0f);
+      result->attributes.set(name + "_deviation", std::move(smooth.deviations), components);
+    }
+    smoothed.report.arrays.push_back(
+        {name, smooth.smoothing, smooth.noise, smooth.least_noise, smooth.most_noise});
+  }
+  if (!changed)
+    smoothed.notes.push_back({.code = "no_noise",
+                              .text = "no noise was found: the values are unchanged",
+                              .remedy = "`smoothing` 1 smooths by the largest noise that there may be",
+                              .severity = Note::Severity::information,
+                              .of = volume.name()});
+  smoothed.report.samples = samples->size();
+  smoothed.samples = std::move(result);
+  return smoothed;
+}
+
+void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed) {
+  const SampledVolume& volume = *smoothed.samples;
+  if (io::ending(file) == "vtu") return write_as_cells(file, volume);
+  check_argument(volume.lattice && volume.lattice->uniform && !volume.in_cells,
+                 "images hold uniform grids with values at points: write other grids to a .vtu");
+  GridBlock block;
+  block.kind = GridKind::lattice;
+  block.axes = volume.lattice->axes, block.origin = volume.lattice->origin;
+  block.directions = volume.lattice->directions;
+  block.point_arrays = volume.attributes;
+  write_volume(file, block);
+}
+
+std::vector<std::string> summary_of(const SmoothVolumeReport& report) {
+  std::vector<std::string> lines;
+  for (const SmoothedArray& a : report.arrays)
+    lines.push_back(a.smoothing > 0
+                        ? fmt::format("{}: noise of {:.3g}{}{}", printable(a.name, 60), a.noise,
+                                      a.most_noise > a.least_noise
+                                          ? fmt::format(" ({:.3g} to {:.3g})", a.least_noise, a.most_noise)
+                                          : "",
+                                      a.smoothing == 1 ? "" : fmt::format(", smoothed by {:g} times that", a.smoothing))
+                        : fmt::format("{}: no noise found, unchanged", printable(a.name, 60)));
+  return lines;
+}
+
+const OptionSchema& SmoothVolumeOptions::schema() {
+  using O = SmoothVolumeOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::all_arrays>({.text = "Smooth all arrays of the same samples"}),
+      option<&O::deviations>({.text = "Add an array NAME_deviation: the estimated remaining deviation"})};
+  return option_schema<rows>();
+}
+
+const ReportSchema& SmoothedArray::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&SmoothedArray::name>({.text = "Array"}),
+      reported<&SmoothedArray::smoothing>({.text = "Factor of the noise; 0: unchanged"}),
+      reported<&SmoothedArray::noise>({.text = "Deviation of the noise, 0 if none is found", .unit = "value"}),
+      reported<&SmoothedArray::least_noise>({.text = "The same in the quietest part", .unit = "value"}),
+      reported<&SmoothedArray::most_noise>({.text = "The same in the loudest part", .unit = "value"})};
+  return report_schema<rows>();
+}
+
+const ReportSchema& SmoothVolumeReport::schema() {
+  static constexpr ReportRow rows[] = {reported<&SmoothVolumeReport::samples>({.text = "Samples"}),
+                                       reported<&SmoothVolumeReport::arrays>({.text = "Smoothed arrays"})};
+  return report_schema<rows>();
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,238 @@
+// Noise of volumes: its estimate, and smoothing that keeps steps, on every kind of grid.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/volume/samples/sample_noise.h"
+#include "sansmesh/volume/smoothed_values.h"
+#include "support/any_threads.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+double waves(const Vec3& x) { return std::sin(3 * x.x + 0.5) * std::cos(2.5 * x.y) + 0.6 * x.z * x.z; }
+
+/// Grids of each kind with some thousand samples.
+std::vector<NamedGrid> grids_for_noise() {
+  const VolumeFunction zero = [](const Vec3&) { return 0.0; };
+  std::vector<std::pair<std::string, GridData>> grids;
+  grids.emplace_back("lattice", lattice_grid({14, 13, 15}, zero));
+  grids.emplace_back("stretched", stretched_grid({15, 14, 13}, zero, 1.1));
+  grids.emplace_back("bent", bent_grid({13, 14, 13}, zero));
+  grids.emplace_back("o-grid", o_grid({29, 10, 9}, zero));
+  grids.emplace_back("tetrahedra", tetrahedra_grid({11, 10, 11}, zero));
+  grids.emplace_back("mixed", mixed_grid({10, 11, 10}, zero));
+  grids.emplace_back("two levels", two_level_amr(8, zero));
+  grids.emplace_back("overlapping", three_overlapping_blocks(11, zero));
+  std::vector<NamedGrid> all;
+  all.push_back({"scattered", scattered_grid(2000, zero)});
+  for (auto& [name, data] : grids)
+    for (const Association a : {Association::points, Association::cells})
+      all.push_back({name + (a == Association::cells ? ", cells" : ""), data, a});
+  return all;
+}
+
+VolumeValues noisy_values(const SampledVolume& volume, const VolumeFunction& f, double sigma, unsigned seed = 5) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  VolumeValues values;
+  values.name = "f";
+  for (std::size_t i = 0; i < volume.size(); ++i)
+    values.values.push_back(f(volume.position(i)) + sigma * normal(random));
+  return values;
+}
+
+SampleNoise noise_of(const SampledVolume& volume, const VolumeValues& values) {
+  Progress progress;
+  return estimate_noise(volume, values, volume.lattice ? std::vector<StarMetric>() : star_metrics(volume), progress);
+}
+
+SmoothedValues smooth(const SampledVolume& volume, const VolumeValues& values, std::optional<double> factor = {}) {
+  Progress progress;
+  return smoothed_values(volume, values, factor, progress);
+}
+
+/// Root mean square of the errors at the samples that `counts`.
+template <class Counts>
+double error_of(const SampledVolume& volume, const std::vector<double>& values, const VolumeFunction& f,
+                const Counts& counts) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    const Vec3 x = volume.position(i);
+    if (!counts(x)) continue;
+    sum += (values[i] - f(x)) * (values[i] - f(x)), ++count;
+  }
+  return std::sqrt(sum / count);
+}
+
+const auto kEverywhere = [](const Vec3&) { return true; };
+
+TEST(VolumeNoise, CleanSamplesStayTheSameToTheBit) {
+  const VolumeFunction functions[] = {waves, linear_function, [](const Vec3&) { return 3.25; },
+                                      [](const Vec3& x) { return std::tanh(9 * (x.x + x.y - x.z)); },
+                                      [](const Vec3& x) { return x.x < 0.45 ? 1.0 : 0.0; }};
+  for (std::vector<NamedGrid> grids : {all_grids(waves), grids_for_noise()})
+    for (const NamedGrid& grid : grids) {
+      const auto volume = volume_of(grid.data, grid.association);
+      for (std::size_t k = 0; k < std::size(functions); ++k) {
+        const VolumeValues values = noisy_values(*volume, functions[k], 0);
+        const SmoothedValues result = smooth(*volume, values);
+        EXPECT_EQ(result.smoothing, 0) << grid.name << ", function " << k;
+        EXPECT_EQ(result.noise, 0) << grid.name << ", function " << k;
+        EXPECT_EQ(result.values.values, values.values) << grid.name << ", function " << k;
+      }
+    }
+}
+
+TEST(VolumeNoise, WhiteNoiseIsEstimatedOnEveryGrid) {
+  for (const NamedGrid& grid : grids_for_noise()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    for (const double sigma : {0.02, 0.15}) {
+      const SampleNoise noise = noise_of(*volume, noisy_values(*volume, waves, sigma));
+      EXPECT_TRUE(noise.found) << grid.name << ", " << volume->size() << ", " << noise.correlation;
+      EXPECT_NEAR(noise.typical[0], sigma, 0.15 * sigma) << grid.name;
+    }
+  }
+}
+
+TEST(VolumeNoise, TheEstimateFollowsScaleAndShift) {
+  const auto volume = volume_of(bent_grid({14, 14, 14}, waves));
+  const VolumeValues values = noisy_values(*volume, waves, 0.05);
+  const SampleNoise own = noise_of(*volume, values);
+  VolumeValues other = values;
+  for (double& v : other.values) v = 7 - 1000 * v;
+  const SampleNoise scaled = noise_of(*volume, other);
+  EXPECT_NEAR(scaled.typical[0], 1000 * own.typical[0], 1e-6 * own.typical[0] * 1000);
+  EXPECT_EQ(scaled.found, own.found);
+}
+
+TEST(VolumeNoise, RoundingToIntegersIsNoNoise) {
+  const auto volume = volume_of(lattice_grid({20, 20, 20}, waves));
+  VolumeValues values = noisy_values(*volume, waves, 0);
+  for (double& v : values.values) v = std::round(30 * v);
+  EXPECT_EQ(smooth(*volume, values).values.values, values.values);
+}
+
+TEST(VolumeNoise, FlatPartsKeepAThirdOfTheNoiseAtMost) {
+  const VolumeFunction flat = [](const Vec3&) { return -2.5; };
+  for (const NamedGrid& grid : grids_for_noise()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    const SmoothedValues result = smooth(*volume, noisy_values(*volume, flat, 0.1));
+    EXPECT_LT(error_of(*volume, result.values.values, flat, kEverywhere), 0.1 / 3) << grid.name;
+  }
+}
+
+TEST(VolumeNoise, CurvedPartsLoseAThirdOfTheNoiseAndMore) {
+  for (const NamedGrid& grid : grids_for_noise()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    for (const double sigma : {0.02, 0.15}) {
+      const SmoothedValues result = smooth(*volume, noisy_values(*volume, waves, sigma));
+      EXPECT_LT(error_of(*volume, result.values.values, waves, kEverywhere), (sigma > 0.1 ? 0.4 : 0.65) * sigma) << grid.name;
+    }
+  }
+}
+
+TEST(VolumeNoise, StepsStaySharp) {
+  const VolumeFunction step = [](const Vec3& x) { return 0.8 * x.x + 0.6 * x.y < 0.63 ? 1.0 : 0.0; };
+  for (const NamedGrid& grid : grids_for_noise()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    const double near = 1.5 * volume->facts.median_spacing;
+    const auto at_step = [&](const Vec3& x) { return std::abs(0.8 * x.x + 0.6 * x.y - 0.63) < near; };
+    for (const double sigma : {0.02, 0.1}) {
+      const SmoothedValues result = smooth(*volume, noisy_values(*volume, step, sigma));
+      EXPECT_EQ(result.smoothing, 1) << grid.name;
+      EXPECT_LT(error_of(*volume, result.values.values, step, at_step), 0.6 * sigma) << grid.name << " " << sigma;
+    }
+  }
+}
+
+TEST(VolumeNoise, DeviationsMatchTheErrors) {
+  const VolumeFunction step = [](const Vec3& x) { return 0.8 * x.x + 0.6 * x.y < 0.63 ? 1.0 : 0.0; };
+  for (const VolumeFunction& f : {VolumeFunction(waves), step}) {
+    const auto volume = volume_of(bent_grid({20, 20, 20}, f));
+    const SmoothedValues result = smooth(*volume, noisy_values(*volume, f, 0.05));
+    double expected = 0;
+    for (const float d : result.deviations) expected += static_cast<double>(d) * static_cast<double>(d);
+    expected = std::sqrt(expected / static_cast<double>(volume->size()));
+    const double error = error_of(*volume, result.values.values, f, kEverywhere);
+    EXPECT_GT(expected, 0.6 * error);
+    EXPECT_LT(expected, 1.6 * error);
+  }
+}
+
+TEST(VolumeNoise, PowersOfTwoScaleResultsExactlyAndThreadsDoNotMatter) {
+  for (const bool lattice : {true, false}) {
+    const auto volume =
+        volume_of(lattice ? lattice_grid({12, 11, 13}, waves) : tetrahedra_grid({10, 11, 9}, waves));
+    VolumeValues values = noisy_values(*volume, waves, 0.05);
+    expect_equal_for_any_threads([&] { return smooth(*volume, values).values.values; });
+    const SmoothedValues own = smooth(*volume, values);
+    for (const double factor : {0x1p-40, 0x1p900}) {
+      VolumeValues other = values;
+      for (double& v : other.values) v *= factor;
+      const SmoothedValues scaled = smooth(*volume, other);
+      for (std::size_t i = 0; i < volume->size(); ++i)
+        ASSERT_EQ(scaled.values.values[i], factor * own.values.values[i]) << factor;
+    }
+  }
+}
+
+TEST(VolumeNoise, FactorZeroInterpolatesAndLargerOnesSmoothMore) {
+  const auto volume = volume_of(lattice_grid({16, 16, 16}, waves));
+  const VolumeValues values = noisy_values(*volume, waves, 0.05);
+  EXPECT_EQ(smooth(*volume, values, 0).values.values, values.values);
+  double rough = std::numeric_limits<double>::infinity();
+  for (const double factor : {0.3, 1.0, 3.0}) {
+    const SmoothedValues result = smooth(*volume, values, factor);
+    double sum = 0;
+    for (std::size_t i = 0; i + 1 < 16; ++i) sum += std::abs(result.values.values[i + 1] - result.values.values[i]);
+    EXPECT_LT(sum, rough) << factor;
+    rough = sum;
+  }
+}
+
+TEST(VolumeNoise, VectorsAreSmoothedTogether) {
+  const auto volume = volume_of(bent_grid({14, 14, 14}, waves));
+  const VolumeValues a = noisy_values(*volume, waves, 0.05, 1), b = noisy_values(*volume, linear_function, 0.02, 2);
+  VolumeValues both;
+  both.name = "f", both.components = 2;
+  for (std::size_t i = 0; i < volume->size(); ++i)
+    both.values.insert(both.values.end(), {a.values[i], b.values[i]});
+  const SmoothedValues result = smooth(*volume, both);
+  std::vector<double> first, second;
+  for (std::size_t i = 0; i < volume->size(); ++i)
+    first.push_back(result.values.values[2 * i]), second.push_back(result.values.values[2 * i + 1]);
+  EXPECT_LT(error_of(*volume, first, waves, kEverywhere), 0.5 * 0.05);
+  EXPECT_LT(error_of(*volume, second, linear_function, kEverywhere), 0.5 * 0.02);
+}
+
+TEST(VolumeNoise, EveryReconstructionSmoothsFirst) {
+  SampledVolume made = *volume_of(lattice_grid({14, 14, 14}, waves));
+  made.attributes.set("f", noisy_values(made, waves, 0.1).values);
+  const auto volume = std::make_shared<const SampledVolume>(std::move(made));
+  const std::vector<Vec3> x = points_within(*volume, 2000);
+  for (const VolumeMethod* const method : VolumeMethod::registry().all()) {
+    Progress progress;
+    VolumeReconstructionOptions options;
+    options.method = std::string(method->name);
+    VolumeReconstructionReport report;
+    const auto smoothed = reconstruct_volume(volume, "f", options, progress, &report);
+    EXPECT_EQ(report.options.smoothing, 1) << method->name;
+    EXPECT_NEAR(report.noise, 0.1, 0.015) << method->name;
+    options.smoothing = 0;
+    const auto raw = reconstruct_volume(volume, "f", options, progress, &report);
+    EXPECT_EQ(report.noise, 0) << method->name;
+    EXPECT_LT(mean_error(*smoothed, x, waves), mean_error(*raw, x, waves)) << method->name;
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh::test
