@@ -58,13 +58,14 @@ void CentreFit::place(std::span<const Vec3> u) {
   }
 }
 
-void CentreFit::weigh(std::span<const double> weights) {
+void CentreFit::weigh(std::span<const double> weights, int max_degree) {
   const std::size_t n = weights.size();
   weights_.assign(weights.begin(), weights.end());
   weighted_.resize(n);
-  for (std::size_t p = 0; p < kTerms; ++p) {
+  const std::size_t terms = terms_of(max_degree);
+  for (std::size_t p = 0; p < terms; ++p) {
     for (std::size_t i = 0; i < n; ++i) weighted_[i] = weights_[i] * basis_[p][i];
-    for (std::size_t q = p; q < kTerms; ++q)
+    for (std::size_t q = p; q < terms; ++q)
       moments_[p][q] = moments_[q][p] = sum_of_products(weighted_.data(), basis_[q].data(), n);
   }
 }

@@ -18,8 +18,8 @@ class CentreFit {
 
   /// Sets the positions, in coordinates of order 1.
   void place(std::span<const Vec3> u);
-  /// Sets the weights of the first `weights.size()` positions.
-  void weigh(std::span<const double> weights);
+  /// Sets the weights of the first `weights.size()` positions, for fits up to this degree.
+  void weigh(std::span<const double> weights, int max_degree = kMaxDegree);
   /// Coefficients of these positions; all 0 if all weights are 0.
   std::span<const double> coefficients(int degree);
   /// Gradient of the polynomial of degree 1 with these values, in the same coordinates.

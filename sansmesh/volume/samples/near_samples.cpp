@@ -32,12 +32,22 @@ const std::vector<LatticeOffset>& lattice_offsets() {
   return offsets;
 }
 
+/// Whether all samples within `margin` steps exist.
+bool is_inside(const Lattice& lattice, std::size_t sample, std::size_t margin) {
+  const auto at = lattice.indices(sample);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (at[k] < margin || at[k] + margin >= lattice.axes[k].size()) return false;
+  return true;
+}
+
 }  // namespace
 
 NearSamples::NearSamples(const SampledVolume& volume, std::span<const StarMetric> metrics)
     : volume_(volume), metrics_(metrics), stencil_(volume) {}
 
 void NearSamples::gather(std::uint32_t sample, std::size_t count) {
+  repeated_ = gather_inside(sample, count);
+  if (repeated_) return;
   found_.clear();
   if (volume_.lattice) {
     gather_on_lattice(sample, count);
@@ -57,6 +67,23 @@ void NearSamples::gather(std::uint32_t sample, std::size_t count) {
   samples_.resize(n), local_.resize(n), squares_.resize(n);
   for (std::size_t i = 0; i < n; ++i)
     samples_[i] = found_[i].sample, local_[i] = found_[i].local, squares_[i] = found_[i].square;
+  // Inside a uniform lattice the next stencils may be translations of this one.
+  inside_count_ = 0;
+  if (!volume_.lattice || !volume_.lattice->uniform) return;
+  const double reach = std::sqrt(squares_.back());
+  margin_ = static_cast<std::size_t>(reach + 1e-9);
+  if (!is_inside(*volume_.lattice, sample, margin_)) return;
+  inside_count_ = count;
+  inside_.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    inside_[i] = static_cast<std::ptrdiff_t>(samples_[i]) - static_cast<std::ptrdiff_t>(sample);
+}
+
+bool NearSamples::gather_inside(std::uint32_t sample, std::size_t count) {
+  if (inside_count_ != count || !is_inside(*volume_.lattice, sample, margin_)) return false;
+  for (std::size_t i = 0; i < inside_.size(); ++i)
+    samples_[i] = static_cast<std::uint32_t>(static_cast<std::ptrdiff_t>(sample) + inside_[i]);
+  return true;
 }
 
 void NearSamples::gather_on_lattice(std::uint32_t sample, std::size_t count) {

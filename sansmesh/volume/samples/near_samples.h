@@ -24,6 +24,9 @@ class NearSamples {
   /// Finds at least `count` samples, if there are as many, and all that are as near as the last one.
   void gather(std::uint32_t sample, std::size_t count);
 
+  /// Whether local() is the same as after the previous call, as inside uniform lattices.
+  bool repeated() const { return repeated_; }
+
   /// Nearest first; the first is the sample itself.
   std::span<const std::uint32_t> samples() const { return samples_; }
   /// Local coordinates of samples().
@@ -43,6 +46,7 @@ class NearSamples {
     }
   };
   void gather_on_lattice(std::uint32_t sample, std::size_t count);
+  bool gather_inside(std::uint32_t sample, std::size_t count);
 
   const SampledVolume& volume_;
   std::span<const StarMetric> metrics_;
@@ -51,6 +55,10 @@ class NearSamples {
   std::vector<std::uint32_t> samples_;
   std::vector<Vec3> local_;
   std::vector<double> squares_;
+  bool repeated_ = false;
+  std::size_t inside_count_ = 0;         ///< count of the samples in `inside_`, 0: none
+  std::size_t margin_ = 0;               ///< steps to the borders from where all of them are inside
+  std::vector<std::ptrdiff_t> inside_;   ///< differences of the numbers of samples
 };
 
 }  // namespace sansmesh::inline v1

@@ -21,6 +21,8 @@ constexpr std::size_t kFirstLook = 27, kSecondLook = 57, kThirdLook = 81;
 constexpr double kSamplesApart = 4.5, kMeansApart = 3;
 /// σ of the robust weights, in deviations of the noise.
 constexpr double kRobust = 2;
+/// Squared distance from plane and value, in variances of the noise, below which all neighbours count.
+constexpr double kNoStep = 2;
 /// Pooling of errors: passes over stars, and the accepted error of the pooled mean in variances of the noise.
 constexpr int kPoolPasses = 16;
 /// Added error of fits whose robust weights are neither 0 nor 1: such weights follow the noise.
@@ -52,6 +54,7 @@ class SampleSmoother {
     find_slopes();
     progress.advance();
     fit_candidates();
+    find_edges();
     for (int pass = 0; pass < kPoolPasses; ++pass) pool();
     SmoothedSamples result = choose();
     progress.advance();
@@ -128,8 +131,8 @@ class SampleSmoother {
         for (std::size_t j = 0; j < near.samples().size(); ++j)
           weights.push_back(std::max(1 - near.squares()[j] * inside, 0.0) *
                             biweight(difference(pilot_, i, near.samples()[j], inverse) * unit));
-        fit.place(near.local());
-        fit.weigh(weights);
+        if (!near.repeated()) fit.place(near.local());
+        fit.weigh(weights, 1);
         const auto l = fit.coefficients(1);
         for (std::size_t m = 0; m < c_; ++m) {
           if (inverse[m] == 0) continue;
@@ -147,22 +150,49 @@ class SampleSmoother {
     pilot_ = std::move(values);
   }
 
-  /// Robust weights of the neighbours: how far they are from the plane, or from the value, at the sample.
-  void find_robust(std::size_t i, const NearSamples& near, const std::vector<double>& inverse,
+  /// Robust weights of the neighbours: how far they are from the plane, or from the value, at the sample. False if all
+  /// are about 1.
+  bool find_robust(std::size_t i, const NearSamples& near, const std::vector<double>& inverse,
                    std::vector<double>& robust) const {
-    robust.clear();
-    for (std::size_t j = 0; j < near.samples().size(); ++j) {
-      const std::size_t at = near.samples()[j];
-      double most = 0;
-      for (std::size_t m = 0; m < c_; ++m) {
-        const double level = pilot_[at * c_ + m] - pilot_[i * c_ + m];
-        const double plane = level - dot(Vec3(slopes_[i * c_ + m]), near.local()[j]);
-        most = std::max(most, std::min(level * level, plane * plane) * inverse[m]);
+    const std::size_t n = near.samples().size();
+    robust.assign(n, 0.0);
+    for (std::size_t m = 0; m < c_; ++m) {
+      const Vec3 slope(slopes_[i * c_ + m]);
+      const double own = pilot_[i * c_ + m];
+      for (std::size_t j = 0; j < n; ++j) {
+        const double level = pilot_[near.samples()[j] * c_ + m] - own, plane = level - dot(slope, near.local()[j]);
+        robust[j] = std::max(robust[j], std::min(level * level, plane * plane) * inverse[m]);
       }
-      const double w = std::exp(-most / (2 * kRobust * kRobust));
-      robust.push_back(w < kLeastRobust ? 0 : w);
     }
+    if (*std::max_element(robust.begin(), robust.end()) < kNoStep) return false;
+    for (double& r : robust) {
+      r = std::exp(-r / (2 * kRobust * kRobust));
+      if (r < kLeastRobust) r = 0;
+    }
+    return true;
   }
+
+  /// Coefficients of the fits without robust weights, which depend on positions only.
+  struct PlainFits {
+    std::array<std::vector<double>, 2 * kWidths.size()> coefficients;
+    std::array<double, kWidths.size()> inside{};
+
+    void set(const NearSamples& near, CentreFit& fit, std::vector<double>& weights) {
+      fit.place(near.local());
+      for (std::size_t w = 0; w < kWidths.size(); ++w) {
+        const double radius = near.radius(kWidths[w]);
+        inside[w] = 1 / (radius * radius);
+        weights.clear();
+        for (std::size_t j = 0; j < near.squares().size() && near.squares()[j] * inside[w] < 1; ++j)
+          weights.push_back(1 - near.squares()[j] * inside[w]);
+        fit.weigh(weights);
+        for (std::size_t k = 0; k < 2; ++k) {
+          const auto l = fit.coefficients(2 - static_cast<int>(k));
+          coefficients[2 * w + k].assign(l.begin(), l.end());
+        }
+      }
+    }
+  };
 
   void fit_candidates() {
     changes_.assign(n_ * kCandidates * c_, 0.0f);
@@ -171,28 +201,31 @@ class SampleSmoother {
     parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
       CentreFit fit;
+      PlainFits plain;
       std::vector<double> inverse(c_), robust, weights;
       for (std::size_t i = begin; i < end; ++i) {
         if (!inverse_squares(i, inverse)) continue;
         near.gather(static_cast<std::uint32_t>(i), kWidths.back());
-        find_robust(i, near, inverse, robust);
-        fit.place(near.local());
+        if (!near.repeated()) plain.set(near, fit, weights);
+        for (std::size_t k = 0; k < plain.coefficients.size(); ++k)
+          keep(i, kFits * (k / 2) + 2 + k % 2, near, plain.coefficients[k], inverse, 0);
+        if (!find_robust(i, near, inverse, robust)) {
+          // Both are the same there. The pooled errors of neighbours at steps need them.
+          for (std::size_t w = 0; w < kWidths.size(); ++w)
+            for (std::size_t k = 0; k < 2; ++k) copy_candidate(i, kFits * w + 2 + k, kFits * w + k);
+          continue;
+        }
         for (std::size_t w = 0; w < kWidths.size(); ++w) {
-          const double radius = near.radius(kWidths[w]), inside = 1 / (radius * radius);
           weights.clear();
           double vague = 0, whole = 0;
-          for (std::size_t j = 0; j < robust.size() && near.squares()[j] * inside < 1; ++j) {
-            weights.push_back((1 - near.squares()[j] * inside) * robust[j]);
+          for (std::size_t j = 0; j < robust.size() && near.squares()[j] * plain.inside[w] < 1; ++j) {
+            weights.push_back((1 - near.squares()[j] * plain.inside[w]) * robust[j]);
             vague += weights.back() * (1 - robust[j]), whole += weights.back();
           }
-          fit.weigh(weights);
           vague *= kVague / whole;
+          fit.weigh(weights);
           keep(i, kFits * w, near, fit.coefficients(2), inverse, vague);
           keep(i, kFits * w + 1, near, fit.coefficients(1), inverse, vague);
-          for (std::size_t j = 0; j < weights.size(); ++j) weights[j] = 1 - near.squares()[j] * inside;
-          fit.weigh(weights);
-          keep(i, kFits * w + 2, near, fit.coefficients(2), inverse, 0);
-          keep(i, kFits * w + 3, near, fit.coefficients(1), inverse, 0);
         }
       }
     });
@@ -217,28 +250,52 @@ class SampleSmoother {
     errors_[at] = static_cast<float>(error / noisy + vague);
   }
 
+  void copy_candidate(std::size_t i, std::size_t from, std::size_t to) {
+    const std::size_t a = i * kCandidates + from, b = i * kCandidates + to;
+    variances_[b] = variances_[a], errors_[b] = errors_[a];
+    for (std::size_t m = 0; m < c_; ++m) changes_[b * c_ + m] = changes_[a * c_ + m];
+  }
+
+  /// Weights of the edges from each sample to its star: 0 across steps.
+  void find_edges() {
+    const double unit = 1 / (2 * kMeansApart * kMeansApart);
+    first_edge_.assign(n_ + 1, 0);
+    std::vector<std::uint32_t> star;
+    for (std::size_t i = 0; i < n_; ++i) {
+      volume_.star(i, star);
+      first_edge_[i + 1] = first_edge_[i] + star.size();
+    }
+    edges_.assign(first_edge_[n_], 0.0f);
+    parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint32_t> near;
+      std::vector<double> inverse(c_);
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!inverse_squares(i, inverse)) continue;
+        volume_.star(i, near);
+        for (std::size_t k = 0; k < near.size(); ++k)
+          edges_[first_edge_[i] + k] =
+              static_cast<float>(std::exp(-difference(pilot_, i, near[k], inverse) * unit));
+      }
+    });
+  }
+
   /// Means of the errors over each sample and its star, without those across steps.
   void pool() {
     std::vector<float> pooled(errors_.size());
-    const double unit = 1 / (2 * kMeansApart * kMeansApart);
     parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> star;
-      std::vector<double> inverse(c_);
       for (std::size_t i = begin; i < end; ++i) {
-        std::array<double, kCandidates> sums{};
-        double whole = 1;
-        for (std::size_t k = 0; k < kCandidates; ++k) sums[k] = static_cast<double>(errors_[i * kCandidates + k]);
-        if (inverse_squares(i, inverse)) {
-          volume_.star(i, star);
-          for (const std::uint32_t j : star) {
-            const double w = std::exp(-difference(pilot_, i, j, inverse) * unit);
-            whole += w;
-            for (std::size_t k = 0; k < kCandidates; ++k)
-              sums[k] += w * static_cast<double>(errors_[j * kCandidates + k]);
-          }
+        std::array<float, kCandidates> sums{};
+        float whole = 1;
+        for (std::size_t k = 0; k < kCandidates; ++k) sums[k] = errors_[i * kCandidates + k];
+        volume_.star(i, star);
+        for (std::size_t e = 0; e < star.size(); ++e) {
+          const float w = edges_[first_edge_[i] + e];
+          const float* const other = errors_.data() + star[e] * kCandidates;
+          whole += w;
+          for (std::size_t k = 0; k < kCandidates; ++k) sums[k] += w * other[k];
         }
-        for (std::size_t k = 0; k < kCandidates; ++k)
-          pooled[i * kCandidates + k] = static_cast<float>(sums[k] / whole);
+        for (std::size_t k = 0; k < kCandidates; ++k) pooled[i * kCandidates + k] = sums[k] / whole;
       }
     });
     errors_ = std::move(pooled);
@@ -273,6 +330,8 @@ class SampleSmoother {
   std::size_t n_, c_;
   std::vector<double> pilot_;
   std::vector<Vec3f> slopes_;
+  std::vector<std::size_t> first_edge_;  ///< of the star of each sample in `edges_`
+  std::vector<float> edges_;
   std::vector<float> changes_, variances_, errors_;  ///< of each candidate of each sample
 };
 
