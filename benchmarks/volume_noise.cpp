@@ -217,10 +217,11 @@ class Row {
     if (!detail_) return;
     double expected = 0;
     for (const float d : smooth.deviations) expected += static_cast<double>(d) * static_cast<double>(d);
-    fmt::print("  noise {:.4f} of {:.4f}{}, correlation {:+.3f}, expected error {:.3f}; CPU {:.2f} + {:.2f} s, {} samples\n",
-               noise.typical[0], sigma_, noise.found ? "" : " NOT FOUND", noise.correlation,
-               std::sqrt(expected / static_cast<double>(at_.size())) / sigma_, (estimated - start).cpu,
-               (end - estimated).cpu, at_.size());
+    fmt::print(
+        "  noise {:.4f} of {:.4f}{}, correlation {:+.3f}, expected error {:.3f}; CPU {:.2f} + {:.2f} s, {} samples\n",
+        noise.typical[0], sigma_, noise.found ? "" : " NOT FOUND", noise.correlation,
+        std::sqrt(expected / static_cast<double>(at_.size())) / sigma_, (estimated - start).cpu, (end - estimated).cpu,
+        at_.size());
   }
 
   void add_field(const char* what, const char* method, std::optional<double> smoothing) {
@@ -259,11 +260,16 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view a = argv[i];
     const auto after = [&](std::string_view name) { return a.substr(name.size()); };
-    if (a.starts_with("--grids=")) options.grids = split(after("--grids="));
-    else if (a.starts_with("--noise=")) options.noise = split(after("--noise="));
-    else if (a.starts_with("--size=")) options.size = std::stoul(std::string(after("--size=")));
-    else if (a == "--detail") options.detail = true;
-    else return fmt::print(stderr, "unknown option {}\n", a), 2;
+    if (a.starts_with("--grids="))
+      options.grids = split(after("--grids="));
+    else if (a.starts_with("--noise="))
+      options.noise = split(after("--noise="));
+    else if (a.starts_with("--size="))
+      options.size = std::stoul(std::string(after("--size=")));
+    else if (a == "--detail")
+      options.detail = true;
+    else
+      return fmt::print(stderr, "unknown option {}\n", a), 2;
   }
   for (const std::string& name : options.grids) {
     const bool cells = name.ends_with("-cells");
@@ -271,8 +277,7 @@ int main(int argc, char** argv) {
     Progress progress;
     const SampledVolume volume = assemble_volume(data, cells ? Association::cells : Association::points, progress);
     for (const std::string& percent : options.noise)
-      for (const bool step : {true, false})
-        Row(name, volume, std::stod(percent) / 100, step, options.detail).measure();
+      for (const bool step : {true, false}) Row(name, volume, std::stod(percent) / 100, step, options.detail).measure();
   }
   return 0;
 }

@@ -46,7 +46,7 @@ struct VolumeReconstructionReport {
   double noise = 0;        ///< deviation of the noise found (unit of the array; largest component); 0 without noise
   double least_noise = 0;  ///< where the noise varies: deviation in its quietest part
   double most_noise = 0;   ///< where the noise varies: deviation in its loudest part
-  std::size_t bytes = 0;               ///< approximate memory of the field with its samples and cells
+  std::size_t bytes = 0;   ///< approximate memory of the field with its samples and cells
 };
 
 /// Estimated from some thousand samples: polynomials of degree 0 to 3 predict each from its neighbours. All values are
@@ -59,7 +59,7 @@ struct VolumeTraits {
   std::array<double, 4> left_out{};
   /// Root mean square of the same errors, dominated by the few samples next to edges.
   std::array<double, 4> left_out_rms{};
-  double noise = 0;  ///< standard deviation of the part that no degree predicts: an upper bound of the noise
+  double noise = 0;    ///< standard deviation of the part that no degree predicts: an upper bound of the noise
   bool noisy = false;  ///< this part is noise: the residuals of neighbours do not resemble each other
   /// Share of samples next to steps: with an error above ten times the median and above a twentieth of the range.
   double steps = 0;

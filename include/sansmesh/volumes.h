@@ -250,9 +250,9 @@ struct SANSMESH_API SmoothVolumeOptions {
 
 /// Noise of one array.
 struct SANSMESH_API SmoothedArray {
-  std::string name;      ///< name of the array
-  double smoothing = 0;  ///< factor of the noise; 0: no noise was found, and the values are unchanged
-  double noise = 0;      ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
+  std::string name;        ///< name of the array
+  double smoothing = 0;    ///< factor of the noise; 0: no noise was found, and the values are unchanged
+  double noise = 0;        ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
   double least_noise = 0;  ///< the same in the quietest part
   double most_noise = 0;   ///< the same in the loudest part
 
@@ -343,7 +343,8 @@ struct SANSMESH_API VolumeInfo {
   std::optional<HeldReconstruction> fitted = {};  ///< for a fitted volume
   std::vector<double> times;                      ///< times of the steps
   std::vector<std::string> file_notes;            ///< notes on reading the file
-  std::optional<double> noise = {};  ///< deviation of the noise of the selected array (unit of the array); 0: none found
+  std::optional<double> noise =
+      {};  ///< deviation of the noise of the selected array (unit of the array); 0: none found
   /// Information, and what was dropped or repaired: "merged", "not_finite", "hidden", "overlapped", "degenerate",
   /// "inverted", "layer".
   std::vector<Note> notes = {};

@@ -51,9 +51,9 @@ CellList hexahedra_of(const Lattice& lattice) {
   for (std::size_t k = 0; k + 1 < nz; ++k)
     for (std::size_t j = 0; j + 1 < ny; ++j)
       for (std::size_t i = 0; i + 1 < nx; ++i) {
-        std::array<std::uint32_t, 8> c{at(i, j, k),         at(i + 1, j, k),         at(i + 1, j + 1, k),
-                                       at(i, j + 1, k),     at(i, j, k + 1),         at(i + 1, j, k + 1),
-                                       at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)};
+        std::array<std::uint32_t, 8> c{
+            at(i, j, k),     at(i + 1, j, k),     at(i + 1, j + 1, k),     at(i, j + 1, k),
+            at(i, j, k + 1), at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)};
         if (mirrored)
           for (std::size_t v = 0; v < 4; ++v) std::swap(c[v], c[v + 4]);
         cells.add(CellShape::hexahedron, c);
@@ -79,17 +79,17 @@ void write_as_cells(const std::string& file, const SampledVolume& volume) {
 SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOptions& options, Progress& progress) {
   VolumeReconstructionOptions by = volume.options().reconstruction;
   const std::optional<double> factor = std::exchange(by.smoothing, {});
-  check_argument(options_set(by).empty(), "samples are smoothed before any reconstruction: of its options only "
-                                          "`smoothing` counts");
+  check_argument(options_set(by).empty(),
+                 "samples are smoothed before any reconstruction: of its options only "
+                 "`smoothing` counts");
   const auto samples = volume.samples(progress);
   auto result = std::make_shared<SampledVolume>(*samples);
   SmoothVolumeResult smoothed;
   result->attributes.clear();
   bool changed = false;
   for (const std::string& name : arrays_to_smooth(volume, options.all_arrays)) {
-    SmoothedValues smooth = with_name(volume.name(), [&] {
-      return smoothed_values(*samples, volume_values(*samples, name), factor, progress);
-    });
+    SmoothedValues smooth = with_name(
+        volume.name(), [&] { return smoothed_values(*samples, volume_values(*samples, name), factor, progress); });
     const std::size_t components = smooth.values.components;
     changed = changed || smooth.smoothing > 0;
     if (smooth.smoothing > 0)
@@ -100,8 +100,7 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
       smooth.deviations.resize(samples->size() * components, 0.0f);
       result->attributes.set(name + "_deviation", std::move(smooth.deviations), components);
     }
-    smoothed.report.arrays.push_back(
-        {name, smooth.smoothing, smooth.noise, smooth.least_noise, smooth.most_noise});
+    smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise, smooth.least_noise, smooth.most_noise});
   }
   if (!changed)
     smoothed.notes.push_back({.code = "no_noise",

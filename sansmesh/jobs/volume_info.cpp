@@ -99,8 +99,9 @@ const ReportSchema& VolumeInfo::schema() {
       fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
       fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
       reported<&VolumeInfo::arrays>({.text = "Arrays"}),
-      reported<&VolumeInfo::noise>(
-          {.name = "noise", .text = "Deviation of the noise of the selected array, 0 if none is found", .unit = "value"}),
+      reported<&VolumeInfo::noise>({.name = "noise",
+                                    .text = "Deviation of the noise of the selected array, 0 if none is found",
+                                    .unit = "value"}),
       reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
       reported<&VolumeInfo::times>({.text = "Times of the steps"}),
       reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};

@@ -260,10 +260,11 @@ std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progres
   const VolumeReconstructionReport& r = volume.report();
   const auto samples = volume.samples(progress);
   const double smoothing = r.options.smoothing.value_or(0);
-  return {fmt::format("{}: by {}{}{}", volume.array_name(), r.options.method.value(),
-                      r.why.empty() ? "" : ", since it is " + r.why,
-                      smoothing > 0 ? fmt::format("; smoothed by {} times its noise of {:.3g}", smoothing, r.noise) : ""),
-          fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
+  return {
+      fmt::format("{}: by {}{}{}", volume.array_name(), r.options.method.value(),
+                  r.why.empty() ? "" : ", since it is " + r.why,
+                  smoothing > 0 ? fmt::format("; smoothed by {} times its noise of {:.3g}", smoothing, r.noise) : ""),
+      fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
 const ReportSchema& VolumeUse::schema() {

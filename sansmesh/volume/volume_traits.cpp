@@ -152,8 +152,8 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
-  if (const SampleNoise noise = estimate_noise(
-          volume, values, volume.lattice ? std::vector<StarMetric>() : star_metrics(volume), progress);
+  if (const SampleNoise noise =
+          estimate_noise(volume, values, volume.lattice ? std::vector<StarMetric>() : star_metrics(volume), progress);
       noise.found) {
     t.noisy = true;
     t.noise = *std::max_element(noise.typical.begin(), noise.typical.end()) / t.range;

@@ -432,6 +432,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"simplify"}, {"mesh.ply", "-o", "x.ply"}},
       {{"smooth"}, {"mesh.ply", "-o", "x.ply"}},
       {{"volume", "fit"}, {ball, "-o", "x.smv"}},
+      {{"volume", "smooth"}, {ball, "-o", "x.vtu"}},
       {{"volume", "probe"}, {ball, "--at", "8,8,8", "--at", "8,8,4", "--method", "linear"}},
       {{"volume", "resample"}, {ball, "-o", "x.vti", "--size", "4", "--method", "linear"}},
       {{"volume", "isosurface"}, {ball, "-o", "x.ply", "--method", "linear"}},

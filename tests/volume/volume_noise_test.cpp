@@ -135,7 +135,8 @@ TEST(VolumeNoise, CurvedPartsLoseAThirdOfTheNoiseAndMore) {
     const auto volume = volume_of(grid.data, grid.association);
     for (const double sigma : {0.02, 0.15}) {
       const SmoothedValues result = smooth(*volume, noisy_values(*volume, waves, sigma));
-      EXPECT_LT(error_of(*volume, result.values.values, waves, kEverywhere), (sigma > 0.1 ? 0.4 : 0.65) * sigma) << grid.name;
+      EXPECT_LT(error_of(*volume, result.values.values, waves, kEverywhere), (sigma > 0.1 ? 0.4 : 0.65) * sigma)
+          << grid.name;
     }
   }
 }
@@ -170,8 +171,7 @@ TEST(VolumeNoise, DeviationsMatchTheErrors) {
 
 TEST(VolumeNoise, PowersOfTwoScaleResultsExactlyAndThreadsDoNotMatter) {
   for (const bool lattice : {true, false}) {
-    const auto volume =
-        volume_of(lattice ? lattice_grid({12, 11, 13}, waves) : tetrahedra_grid({10, 11, 9}, waves));
+    const auto volume = volume_of(lattice ? lattice_grid({12, 11, 13}, waves) : tetrahedra_grid({10, 11, 9}, waves));
     VolumeValues values = noisy_values(*volume, waves, 0.05);
     expect_equal_for_any_threads([&] { return smooth(*volume, values).values.values; });
     const SmoothedValues own = smooth(*volume, values);
@@ -204,8 +204,7 @@ TEST(VolumeNoise, VectorsAreSmoothedTogether) {
   const VolumeValues a = noisy_values(*volume, waves, 0.05, 1), b = noisy_values(*volume, linear_function, 0.02, 2);
   VolumeValues both;
   both.name = "f", both.components = 2;
-  for (std::size_t i = 0; i < volume->size(); ++i)
-    both.values.insert(both.values.end(), {a.values[i], b.values[i]});
+  for (std::size_t i = 0; i < volume->size(); ++i) both.values.insert(both.values.end(), {a.values[i], b.values[i]});
   const SmoothedValues result = smooth(*volume, both);
   std::vector<double> first, second;
   for (std::size_t i = 0; i < volume->size(); ++i)

@@ -20,9 +20,9 @@ class AppendedArrays {
  public:
   template <class T>
   std::string add(const std::string& name, const std::vector<T>& values, std::size_t components) {
-    std::string tag =
-        fmt::format("        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-                    io::vtk_type_name(number_type_of<T>()), io::to_xml(name), components, offset_);
+    std::string tag = fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        io::vtk_type_name(number_type_of<T>()), io::to_xml(name), components, offset_);
     const std::uint64_t size = values.size() * sizeof(T);
     std::string bytes(sizeof(size) + size, '\0');
     std::memcpy(bytes.data(), &size, sizeof(size));

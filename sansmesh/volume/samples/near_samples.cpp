@@ -56,8 +56,7 @@ void NearSamples::gather(std::uint32_t sample, std::size_t count) {
     stencil_.gather(sample, metrics_[sample], count + count / 2, 4 * count, kMostNearRings);
     const auto samples = stencil_.samples();
     const auto local = stencil_.local();
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      found_.push_back({squared_norm(local[i]), samples[i], local[i]});
+    for (std::size_t i = 0; i < samples.size(); ++i) found_.push_back({squared_norm(local[i]), samples[i], local[i]});
     found_[0].square = -1;  // ahead of coincident ones
   }
   if (!volume_.lattice || !volume_.lattice->uniform) std::sort(found_.begin(), found_.end());

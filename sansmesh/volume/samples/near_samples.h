@@ -56,9 +56,9 @@ class NearSamples {
   std::vector<Vec3> local_;
   std::vector<double> squares_;
   bool repeated_ = false;
-  std::size_t inside_count_ = 0;         ///< count of the samples in `inside_`, 0: none
-  std::size_t margin_ = 0;               ///< steps to the borders from where all of them are inside
-  std::vector<std::ptrdiff_t> inside_;   ///< differences of the numbers of samples
+  std::size_t inside_count_ = 0;        ///< count of the samples in `inside_`, 0: none
+  std::size_t margin_ = 0;              ///< steps to the borders from where all of them are inside
+  std::vector<std::ptrdiff_t> inside_;  ///< differences of the numbers of samples
 };
 
 }  // namespace sansmesh::inline v1

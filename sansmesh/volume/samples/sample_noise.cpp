@@ -15,15 +15,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPairs = 8000;     // examined pairs of neighbours
-constexpr std::size_t kParabolaNeighbours = 56;  // of a parabola
-constexpr std::size_t kFewest = 40;      // pairs below which nothing can be said
-constexpr double kMostPredicted = 3;      // of a prediction, in variances of a sample
+constexpr std::size_t kPairs = 8000;                         // examined pairs of neighbours
+constexpr std::size_t kParabolaNeighbours = 56;              // parabolas have that many
+constexpr std::size_t kFewest = 40;                          // pairs below which nothing can be said
+constexpr double kMostPredicted = 3;                         // variance of a prediction, in variances of a sample
 constexpr double kNoiseTails = 2.5, kWithoutTails = 0.9113;  // variance of a normal deviate without its tails
 constexpr double kLikeNoise = 0.05, kAlternating = -0.5, kSpreadOfPair = 0.6;
-constexpr double kQuanta = 0.6;          // noise below is rounding to integers
-constexpr double kRoundedToFloat = 2e-6;       // relative to the largest value: rounding to floats
-
+constexpr double kQuanta = 0.6;           // noise below is rounding to integers
+constexpr double kRoundedToFloat = 2e-6;  // relative to the largest value: rounding to floats
 
 /// Values minus their predictions, over the deviation for noise of deviation 1.
 class LeftOutResiduals {
@@ -37,8 +36,7 @@ class LeftOutResiduals {
     const auto u = near_.local();
     const double radius = near_.radius(kParabolaNeighbours + 1);
     weights_.assign(u.size(), 0.0);
-    for (std::size_t j = 1; j < u.size(); ++j)
-      weights_[j] = std::max(1 - near_.squares()[j] / (radius * radius), 0.0);
+    for (std::size_t j = 1; j < u.size(); ++j) weights_[j] = std::max(1 - near_.squares()[j] / (radius * radius), 0.0);
     fit_.place(u);
     fit_.weigh(weights_);
     const auto l = fit_.coefficients(2);
@@ -50,8 +48,7 @@ class LeftOutResiduals {
     for (std::size_t m = 0; m < c; ++m) {
       const double own = values_.values[sample * c + m];
       double rise = 0;
-      for (std::size_t j = 1; j < l.size(); ++j)
-        rise += l[j] * (values_.values[near_.samples()[j] * c + m] - own);
+      for (std::size_t j = 1; j < l.size(); ++j) rise += l[j] * (values_.values[near_.samples()[j] * c + m] - own);
       residuals[m] = -rise * unit, predictions[m] = own + rise;
     }
     return true;
@@ -72,8 +69,8 @@ double deviation_of(std::vector<double> magnitudes) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i) squares[i + 1] = squares[i] + magnitudes[i] * magnitudes[i];
   double s = kDeviationOverMedian * magnitudes[magnitudes.size() / 2];
   for (int again = 0; again < 50 && s > 0; ++again) {
-    const auto n = static_cast<std::size_t>(
-        std::upper_bound(magnitudes.begin(), magnitudes.end(), kNoiseTails * s) - magnitudes.begin());
+    const auto n = static_cast<std::size_t>(std::upper_bound(magnitudes.begin(), magnitudes.end(), kNoiseTails * s) -
+                                            magnitudes.begin());
     const double next = n > 0 ? std::sqrt(squares[n] / (static_cast<double>(n) * kWithoutTails)) : 0;
     if (std::abs(next - s) <= 1e-6 * s) return next;
     s = next;
@@ -102,8 +99,8 @@ double quantum_of(std::vector<double> values) {
 /// LeftOutResiduals of pairs of neighbours, in the order of samples.
 struct Pairs {
   std::size_t components = 1;
-  std::vector<std::uint32_t> sample;          ///< two per pair
-  std::vector<double> residual, prediction;   ///< all components of each
+  std::vector<std::uint32_t> sample;         ///< two per pair
+  std::vector<double> residual, prediction;  ///< all components of each
 };
 
 Pairs look_at_pairs(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
@@ -172,7 +169,8 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
     above = above || s > kQuanta * quantum_of(std::move(own));
     for (std::size_t k = m; k < pairs.residual.size(); k += 2 * c) {
       const double a = pairs.residual[k], b = pairs.residual[k + c], square = a * a + b * b;
-      if (!(square <= 2 * (kNoiseTails * s) * (kNoiseTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding) continue;
+      if (!(square <= 2 * (kNoiseTails * s) * (kNoiseTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding)
+        continue;
       sum += 2 * a * b / square, ++count;
     }
   }

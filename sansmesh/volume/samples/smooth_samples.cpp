@@ -231,8 +231,8 @@ class SampleSmoother {
     });
   }
 
-  /// Stores the change of the sample's value by a candidate, its variance, and an unbiased estimate of its squared error
-  /// in variances of the noise: (f − p)² / σ² − 1 + 2 l, with l the sample's own coefficient.
+  /// Stores the change of the sample's value by a candidate, its variance, and an unbiased estimate of its squared
+  /// error in variances of the noise: (f − p)² / σ² − 1 + 2 l, with l the sample's own coefficient.
   void keep(std::size_t i, std::size_t candidate, const NearSamples& near, std::span<const double> l,
             const std::vector<double>& inverse, double vague) {
     const std::size_t at = i * kCandidates + candidate;
@@ -273,8 +273,7 @@ class SampleSmoother {
         if (!inverse_squares(i, inverse)) continue;
         volume_.star(i, near);
         for (std::size_t k = 0; k < near.size(); ++k)
-          edges_[first_edge_[i] + k] =
-              static_cast<float>(std::exp(-difference(pilot_, i, near[k], inverse) * unit));
+          edges_[first_edge_[i] + k] = static_cast<float>(std::exp(-difference(pilot_, i, near[k], inverse) * unit));
       }
     });
   }
@@ -330,9 +329,9 @@ class SampleSmoother {
   std::size_t n_, c_;
   std::vector<double> pilot_;
   std::vector<Vec3f> slopes_;
-  std::vector<std::size_t> first_edge_;  ///< of the star of each sample in `edges_`
+  std::vector<std::size_t> first_edge_;  ///< start of the star of each sample in `edges_`
   std::vector<float> edges_;
-  std::vector<float> changes_, variances_, errors_;  ///< of each candidate of each sample
+  std::vector<float> changes_, variances_, errors_;  ///< one per candidate of each sample
 };
 
 }  // namespace
