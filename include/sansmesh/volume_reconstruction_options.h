@@ -13,8 +13,14 @@
 
 namespace sansmesh::inline v1 {
 
+/// Meaning of values in cells.
+enum class CellValues : std::uint8_t {
+  means,   ///< means over the cells, as of finite volumes and refinement levels
+  centres  ///< values at the centres of the cells
+};
+
 /// Options of the reconstruction of a field from the samples of a volume. Absent options are chosen from the data;
-/// without a method no other option but `smoothing` may be set.
+/// without a method only `smoothing`, `cell_values` and `logarithm` may be set.
 struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
@@ -30,6 +36,10 @@ struct SANSMESH_API VolumeReconstructionOptions {
   /// All methods: factor of the estimated noise by which the samples are smoothed first; 0: samples are used as they
   /// are. Default: 1 if noise is found.
   std::optional<double> smoothing = {};
+  /// Values in cells: the default is means; others than mls-detail always take centres.
+  std::optional<CellValues> cell_values = {};
+  /// Reconstruction of the logarithm, for positive values that span decades, of one component. No result is negative.
+  std::optional<bool> logarithm = {};
 
   /// Schema of these options.
   static const OptionSchema& schema();

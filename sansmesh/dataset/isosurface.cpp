@@ -12,6 +12,8 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/level_scale.h"
 #include "sansmesh/error.h"
+#include "sansmesh/field/exponential_volume.h"
+#include "sansmesh/field/level_field.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh_measures.h"
@@ -41,6 +43,24 @@ LocalFrame frame_of(const SampledVolume& volume) {
   const Box3 box = volume.bounds();
   return frame_for(box.center(), box.diagonal());
 }
+
+}  // namespace
+
+/// The field whose level set is the surface, and the map of values to its values.
+struct Isosurface::Leveled {
+  std::shared_ptr<const VolumeField> field;
+  double unit = 0;  ///< unit of the logarithm; 0 without
+  double of(double value) const { return unit > 0 ? std::log(value / unit) : value; }
+  double back(double level) const { return unit > 0 ? std::exp(level) * unit : level; }
+};
+
+Isosurface::Leveled Isosurface::leveled(std::shared_ptr<const VolumeField> field, double value) {
+  if (const auto* const positive = dynamic_cast<const ExponentialVolume*>(field.get()); positive && value > 0)
+    return {positive->logarithm(), positive->factor()};
+  return {std::move(field)};
+}
+
+namespace {
 
 Box3 own_bounds(const SampledVolume& volume, const LocalFrame& frame) { return frame.from_input(volume.bounds()); }
 
@@ -130,21 +150,36 @@ void VolumeDomain::locate(std::span<const Vec3> x, std::span<std::uint8_t> insid
 
 Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,
                        const std::function<double(std::size_t)>& sample_value, double value)
+    : Isosurface(std::move(volume), leveled(std::move(field), value), sample_value, value) {}
+
+Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, const Leveled& leveled,
+                       const std::function<double(std::size_t)>& sample_value, double value)
     : volume_(std::move(volume)),
-      field_(std::move(field)),
+      field_(leveled.field),
+      levels_(dynamic_cast<const LevelField*>(field_.get())),
       frame_(frame_of(*volume_)),
       value_(value),
+      level_(leveled.of(value)),
       domain_(*volume_, frame_),
-      ranges_(*volume_, sample_value, frame_) {
+      ranges_(
+          *volume_, [&](std::size_t i) { return leveled.of(sample_value(i)); }, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
-  const std::vector<Vec3> points = ranges_.points_with(value);
+  const std::vector<Vec3> points = ranges_.points_with(level_);
   if (points.empty()) {
     const ValueRange all = ranges_.of_samples();
     throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
-                                all.least, all.most));
+                                leveled.back(all.least), leveled.back(all.most)));
   }
-  std::vector<double> slopes = slopes_at(*field_, points, frame_, kSlopes);
+  std::vector<Vec3> some;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kSlopes) some.push_back(points[i]);
+  std::vector<Vec3> gradients(some.size());
+  evaluate_field(in_input(some), {{}, gradients});
+  std::vector<double> slopes = slopes_of(gradients);
   if (!slopes.empty()) slope_ = median(slopes) * frame_.unit;
+}
+
+void Isosurface::evaluate_field(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
+  levels_ ? levels_->evaluate_level(level_, x, wanted) : field_->evaluate(x, wanted);
 }
 
 std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
@@ -159,19 +194,19 @@ void Isosurface::evaluate(std::span<const Vec3> x, std::span<double> values, std
 
 void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                     std::span<std::uint8_t> inside) const {
-  field_->evaluate(in_input(x), {values, gradients, inside});
-  for (double& v : values) v = (value_ - v) / slope_;
+  evaluate_field(in_input(x), {values, gradients, inside});
+  for (double& v : values) v = (level_ - v) / slope_;
   const double scale = -frame_.unit / slope_;
   for (Vec3& g : gradients) g *= scale;
 }
 
 void Isosurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   parallel_for(0, x.size(), 512,
-               [&](std::size_t i) { found[i] = level_range(ranges_.around(x[i], radius), value_, slope_); });
+               [&](std::size_t i) { found[i] = level_range(ranges_.around(x[i], radius), level_, slope_); });
 }
 
 void Isosurface::may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const {
-  parallel_for(0, x.size(), 512, [&](std::size_t i) { answers[i] = ranges_.among(x[i], radius, value_); });
+  parallel_for(0, x.size(), 512, [&](std::size_t i) { answers[i] = ranges_.among(x[i], radius, level_); });
 }
 
 void Isosurface::spacing(std::span<const Vec3> x, std::span<double> found) const {

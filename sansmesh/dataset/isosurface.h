@@ -26,6 +26,8 @@
 
 namespace sansmesh::inline v1 {
 
+class LevelField;
+
 /// Signed distance function of the volume's domain, approximate: negative inside, with the sign of the locator. Uses
 /// local coordinates.
 class VolumeDomain : public ScalarField {
@@ -49,7 +51,7 @@ class VolumeDomain : public ScalarField {
 };
 
 /// {f = value} as an implicit surface: negative where f is larger, in the local coordinates `frame`, scaled to a median
-/// gradient norm of 1 at the surface.
+/// gradient norm of 1 at the surface. Of an ExponentialVolume it is the level set of the logarithm.
 class Isosurface : public ScalarField {
  public:
   /// `field` has one component; `sample_value(i)` is the value of sample i. Throws DataError that names the range of
@@ -77,12 +79,18 @@ class Isosurface : public ScalarField {
   void spacing(std::span<const Vec3> x, std::span<double> found) const;
 
  private:
+  struct Leveled;
+  static Leveled leveled(std::shared_ptr<const VolumeField> field, double value);
+  Isosurface(std::shared_ptr<const SampledVolume> volume, const Leveled& leveled,
+             const std::function<double(std::size_t)>& sample_value, double value);
   std::vector<Vec3> in_input(std::span<const Vec3> x) const;
+  void evaluate_field(std::span<const Vec3> x, const VolumeFieldValues& wanted) const;
 
   std::shared_ptr<const SampledVolume> volume_;
-  std::shared_ptr<const VolumeField> field_;
+  std::shared_ptr<const VolumeField> field_;  // the logarithm, where it is reconstructed
+  const LevelField* levels_;                  // second interface of `field_`; may be null
   LocalFrame frame_;
-  double value_, slope_ = 1;
+  double value_, level_, slope_ = 1;  // value of the array and of `field_`
   VolumeDomain domain_;
   ValueRanges ranges_;
 };

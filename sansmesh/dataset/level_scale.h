@@ -11,6 +11,9 @@
 
 namespace sansmesh::inline v1 {
 
+/// The norms > 0 of gradients.
+std::vector<double> slopes_of(std::span<const Vec3> gradients);
+
 /// Gradient norms > 0 (input units) at up to `most` of the points, which are in the coordinates of `frame`.
 std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> points, const LocalFrame& frame,
                               std::size_t most);

@@ -61,9 +61,11 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
 
 /// Whether a fitted volume was made with the given options. Absent options match any value.
 bool is_held(const FittedVolume& fitted, const std::string& array, const VolumeReconstructionOptions& asked) {
-  if (array != fitted.array || !asked.method) return array == fitted.array;
   const VolumeReconstructionOptions& held = fitted.chosen;
   const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
+  if (array != fitted.array || !same(asked.cell_values, held.cell_values) || !same(asked.logarithm, held.logarithm))
+    return false;
+  if (!asked.method) return true;
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
          same(asked.epsilon, held.epsilon) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
          same(asked.robust, held.robust) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&

@@ -66,7 +66,9 @@ Json json_of(const VolumeReconstructionOptions& o) {
           {"spherical", json_if(o.spherical)},
           {"b", o.b},
           {"c", o.c},
-          {"smoothing", json_if(o.smoothing)}};
+          {"smoothing", json_if(o.smoothing)},
+          {"centres", o.cell_values ? Json(*o.cell_values == CellValues::centres) : Json()},
+          {"logarithm", json_if(o.logarithm)}};
 }
 
 VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
@@ -88,6 +90,11 @@ VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
   if (!json.at("robust").is_null()) o.robust = json.at("robust").get<bool>();
   // Older files do not have this field.
   if (json.contains("spherical") && !json.at("spherical").is_null()) o.spherical = json.at("spherical").get<bool>();
+  const auto flag = [&](const char* name) -> std::optional<bool> {
+    return json.contains(name) && !json.at(name).is_null() ? std::optional(json.at(name).get<bool>()) : std::nullopt;
+  };
+  if (const auto centres = flag("centres")) o.cell_values = *centres ? CellValues::centres : CellValues::means;
+  o.logarithm = flag("logarithm");
   o.b = real_of(json.at("b"));
   o.c = real_of(json.at("c"));
   // Samples of older files were used as they are.

@@ -10,10 +10,12 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
+#include "sansmesh/field/exponential_volume.h"
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/smoothed_values.h"
+#include "sansmesh/volume/value_logarithm.h"
 #include "sansmesh/volume/volume_traits.h"
 
 namespace sansmesh::inline v1 {
@@ -22,7 +24,9 @@ namespace {
 /// Rejects options that the method does not use.
 void check_options(const VolumeReconstructionOptions& options, const VolumeMethod& method) {
   std::vector<std::string_view> set = options_set(options);
-  std::erase(set, "method"), std::erase(set, "smoothing");
+  std::erase_if(set, [](std::string_view o) {
+    return o == "method" || o == "smoothing" || o == "cell_values" || o == "logarithm";
+  });
   check_used(set, method.uses, set, fmt::format("the reconstruction {}", method.name));
   const bool lagrange = method.name == "lagrange";
   if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
@@ -77,6 +81,23 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
                   printable(values.name, 60), most, rest, method));
 }
 
+/// Whether the logarithm is reconstructed: as requested, as in a fit, or as the data ask for.
+bool uses_logarithm(const SampledVolume& volume, const VolumeValues& values, const VolumeReconstructionOptions& options,
+                    const VolumeMethod& method, bool fitted) {
+  if (options.logarithm && *options.logarithm && values.components != 1)
+    throw ArgumentError("`logarithm` is for arrays of one component");
+  if (options.logarithm || fitted || method.plain) return options.logarithm.value_or(false);
+  return choose_logarithm(volume, values).use;
+}
+
+/// The field of the logarithm of the values, as a field of the values.
+std::unique_ptr<VolumeField> exponential_field(const VolumeMethod& method, ReconstructionInput input) {
+  const double unit = logarithm_unit(input.values);
+  input.values = logarithm_of(std::move(input.values), unit);
+  input.logarithm = true;
+  return std::make_unique<ExponentialVolume>(method.make(std::move(input)), unit);
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
@@ -106,6 +127,17 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
+  if (r.options.cell_values && !volume->in_cells)
+    throw ArgumentError("`cell_values` is for arrays of cells: this one has values at points");
+  if (r.options.cell_values == CellValues::means && (method.name != "mls-detail" || volume->lattice))
+    throw ArgumentError("`cell_values = means` needs `method = mls-detail`, and no uniform or rectilinear grid");
+  r.options.logarithm = uses_logarithm(*volume, values, r.options, method, !used.empty());
+  if (*r.options.logarithm) {
+    std::unique_ptr<VolumeField> field =
+        exponential_field(method, {std::move(volume), std::move(values), r.options, progress, r, used});
+    r.bytes = bytes + bytes_of_coefficients(used);
+    return field;
+  }
   // Coefficients and kernels are in float, squares in double: values far from 1 are scaled before and after.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);

@@ -21,6 +21,7 @@ struct ReconstructionInput {
   VolumeReconstructionReport& report;
   /// Methods with coefficients store them here, or use those present instead of a fit.
   ReconstructionCoefficients& coefficients;
+  bool logarithm = false;  ///< the values are logarithms of the array's
 };
 
 }  // namespace sansmesh::inline v1

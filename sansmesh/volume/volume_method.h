@@ -23,6 +23,7 @@ struct VolumeMethod {
   std::unique_ptr<VolumeField> (*make)(ReconstructionInput input) = nullptr;
   std::span<const std::string_view> uses = {};  ///< names of the options it uses
   bool fits = false;                            ///< it has coefficients, in single precision
+  bool plain = false;                           ///< takes logarithms only if asked to: a baseline
 
   /// Methods of the library in the order of sansmesh/volume/CMakeLists.txt, then those added by programs.
   static Registry<VolumeMethod>& registry();

@@ -1,12 +1,18 @@
 #include "sansmesh/volume_reconstruction_options.h"
 
 #include <string>
+#include <string_view>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/schema/registry_words.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh::inline v1 {
+namespace {
+
+constexpr std::string_view kCellValues[] = {"means", "centres"};
+
+}  // namespace
 
 const OptionSchema& VolumeReconstructionOptions::schema() {
   using O = VolumeReconstructionOptions;
@@ -41,6 +47,11 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
       option<&O::smoothing>({.text = "Factor of the noise by which samples are smoothed first; 0 interpolates them",
                              .from_data = "1 if noise is found",
                              .range = {.least = 0, .most = 10}}),
+      option<&O::cell_values>({.text = "Values in cells: means over the cell (mls-detail), or values at its centre",
+                               .from_data = "means for mls-detail, else centres",
+                               .choices = kCellValues}),
+      option<&O::logarithm>({.text = "Reconstruct the logarithm of positive values, so that none becomes negative",
+                             .from_data = "on where samples span two decades and follow geometric means"}),
   };
   static const OptionSchema schema{rows};
   return schema;

@@ -61,6 +61,7 @@ inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume
   Progress progress;
   VolumeReconstructionOptions options;
   options.method = method;
+  if (volume->in_cells) options.cell_values = CellValues::centres;  // where set_function() evaluates
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
 

@@ -38,12 +38,19 @@ void SumSupportsT(const SupportTerm* terms, std::size_t count, std::size_t n, Su
       const auto r2 = hn::Mul(pn::MulAdd(u, u, pn::MulAdd(v, v, hn::Mul(w, w))), hn::Set(d, t.inverse_square));
       const auto in = hn::Lt(r2, one);
       if (hn::AllFalse(d, in)) continue;
-      const auto q = hn::IfThenElseZero(in, hn::Sub(one, r2)), q3 = hn::Mul(hn::Mul(q, q), q);
+      const auto q = hn::IfThenElseZero(in, hn::Sub(one, r2));
+      const auto q3 = hn::Mul(hn::Mul(hn::Mul(q, q), q), hn::Set(d, t.scale));
       const auto w0 = hn::Mul(q3, q);
       const auto slope = hn::Neg(hn::Mul(q3, hn::Set(d, 4.0f)));  // dw/d(r²)
       SupportV p, pu = zero, pv = zero, pw = zero;
       SumMonomials<kGradient>(d, t.degree, t.coefficients, u, v, w, p, pu, pv, pw);
       p = hn::Add(p, hn::Set(d, t.constant));
+      const auto least = hn::Set(d, t.least), most = hn::Set(d, t.most);
+      if (kGradient && t.degree > 0) {
+        const auto free = hn::And(hn::Ge(p, least), hn::Le(p, most));
+        pu = hn::IfThenElseZero(free, pu), pv = hn::IfThenElseZero(free, pv), pw = hn::IfThenElseZero(free, pw);
+      }
+      p = hn::Min(hn::Max(p, least), most);
       weight = hn::Add(weight, w0);
       value = pn::MulAdd(w0, p, value);
       if (kGradient) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "sansmesh/volume/samples/star_metric.h"
 
@@ -16,7 +17,10 @@ struct SupportTerm {
   const float* coefficients =
       nullptr;  ///< factors of the monomials in M d, without the constant; may be null for degree 0
   int degree = 0;
-  float constant = 0;  ///< minus the base of the tile
+  float constant = 0;                                     ///< minus the base of the tile
+  float scale = 1;                                        ///< factor of the weight
+  float least = -std::numeric_limits<float>::infinity();  ///< bounds of the polynomial, minus the base of the tile
+  float most = std::numeric_limits<float>::infinity();
 };
 
 /// Points and sums, a structure of arrays aligned for the widest vectors.

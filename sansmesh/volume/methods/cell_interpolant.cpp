@@ -13,41 +13,66 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Weights of samples for the value at `x` of their least-squares plane. It is constant in directions without extent.
-void plane_weights(std::span<const Vec3> samples, const Vec3& x, std::vector<double>& weights) {
-  const std::size_t n = samples.size();
-  Vec3 middle;
-  for (const Vec3& p : samples) middle += p / static_cast<double>(n);
-  // Near samples have larger weights, so that a thin layer next to a thick one keeps its influence.
-  std::vector<double> nearness(n);
-  double scale = 0;
-  for (const Vec3& p : samples) scale += norm(p - x) / static_cast<double>(n);
-  double sum = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    nearness[i] = 1 / (squared_norm(samples[i] - x) + 1e-4 * scale * scale + std::numeric_limits<double>::min());
-    sum += nearness[i];
+/// Share of the variance that must be explained by a plane so that it extrapolates; from the first, in part.
+constexpr double kLeastExplained = 0.75;
+
+/// Least-squares plane through samples for the value at the origin; near samples have larger weights, so that a thin
+/// layer next to a thick one keeps its influence. It is constant in directions without extent.
+class CornerPlane {
+ public:
+  explicit CornerPlane(std::span<const Vec3> samples) : samples_(samples), weights_(samples.size()) {
+    const std::size_t n = samples.size();
+    double scale = 0, sum = 0;
+    for (const Vec3& p : samples) scale += norm(p) / static_cast<double>(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      weights_[i] = 1 / (squared_norm(samples[i]) + 1e-4 * scale * scale + std::numeric_limits<double>::min());
+      sum += weights_[i];
+    }
+    for (std::size_t i = 0; i < n; ++i) weights_[i] /= sum, middle_ += samples[i] * weights_[i];
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 d = samples[i] - middle_;
+      const Eigen::Vector3d v(d.x, d.y, d.z);
+      covariance += weights_[i] * v * v.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+    inverse_ = Eigen::Matrix3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      if (axes.eigenvalues()[k] > 1e-13 * axes.eigenvalues()[2])
+        inverse_ += axes.eigenvectors().col(k) * axes.eigenvectors().col(k).transpose() / axes.eigenvalues()[k];
   }
-  middle = {};
-  for (std::size_t i = 0; i < n; ++i) middle += samples[i] * (nearness[i] / sum);
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 d = samples[i] - middle;
-    const Eigen::Vector3d v(d.x, d.y, d.z);
-    covariance += nearness[i] / sum * v * v.transpose();
+
+  struct Value {
+    double value = 0, explained = 1;  ///< share of the variance of the samples, 0..1
+  };
+  /// The value at the origin for the values of the samples.
+  Value of(std::span<const double> f) const {
+    double mean = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) mean += weights_[i] * f[i];
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < f.size(); ++i) right += weights_[i] * (f[i] - mean) * offset(i);
+    const Eigen::Vector3d slope = inverse_ * right;
+    double all = 0, left = 0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const double own = f[i] - mean, rest = own - slope.dot(offset(i));
+      all += weights_[i] * own * own, left += weights_[i] * rest * rest;
+    }
+    Value found{mean - slope.dot(Eigen::Vector3d(middle_.x, middle_.y, middle_.z))};
+    if (all > 0) found.explained = std::max(1 - left / all, 0.0);
+    return found;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  const Eigen::Vector3d offset(x.x - middle.x, x.y - middle.y, x.z - middle.z);
-  Eigen::Vector3d slope = Eigen::Vector3d::Zero();  // inverse covariance times the offset
-  const double largest = axes.eigenvalues()[2];
-  for (int k = 0; k < 3; ++k)
-    if (axes.eigenvalues()[k] > 1e-13 * largest)
-      slope += axes.eigenvectors().col(k) * (axes.eigenvectors().col(k).dot(offset) / axes.eigenvalues()[k]);
-  weights.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 d = samples[i] - middle;
-    weights[i] = nearness[i] / sum * (1 + slope.dot(Eigen::Vector3d(d.x, d.y, d.z)));
+
+ private:
+  Eigen::Vector3d offset(std::size_t i) const {
+    const Vec3 d = samples_[i] - middle_;
+    return {d.x, d.y, d.z};
   }
-}
+
+  std::span<const Vec3> samples_;
+  std::vector<double> weights_;
+  Vec3 middle_;
+  Eigen::Matrix3d inverse_;
+};
 
 void unique(std::vector<std::uint32_t>& samples) {
   std::sort(samples.begin(), samples.end());
@@ -68,7 +93,7 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> samples;
     std::vector<Vec3> locations;
-    std::vector<double> weights;
+    std::vector<double> f;
     for (std::size_t p = first; p < last; ++p) {
       samples.clear(), locations.clear();
       for (const std::uint32_t c : around[p]) samples.push_back(volume.cell_sample[c]);
@@ -84,16 +109,16 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
       if (samples.empty()) continue;
       const Vec3 at = volume.corners[p];
       for (const std::uint32_t s : samples) locations.push_back(volume.positions[s] - at);
-      plane_weights(locations, {}, weights);
+      const CornerPlane plane(locations);
+      f.resize(samples.size());
       for (std::size_t k = 0; k < n; ++k) {
-        double sum = 0, least = std::numeric_limits<double>::max(), most = std::numeric_limits<double>::lowest();
-        for (std::size_t i = 0; i < samples.size(); ++i) {
-          const double v = values.of(samples[i])[k];
-          sum += weights[i] * v;
-          least = std::min(least, v), most = std::max(most, v);
-        }
-        const double beyond = outer_[p] ? 1.5 * (most - least) : 0;
-        at_corners_[p * n + k] = std::clamp(sum, least - beyond, most + beyond);
+        for (std::size_t i = 0; i < samples.size(); ++i) f[i] = values.of(samples[i])[k];
+        const auto [least, most] = std::minmax_element(f.begin(), f.end());
+        const CornerPlane::Value at = plane.of(f);
+        const double sure = std::clamp((at.explained - kLeastExplained) / (1 - kLeastExplained), 0.0, 1.0);
+        const double within = std::clamp(at.value, *least, *most), most_beyond = 1.5 * (*most - *least);
+        const double beyond = std::clamp(at.value - within, -most_beyond, most_beyond);
+        at_corners_[p * n + k] = within + (outer_[p] ? sure * beyond : 0);
       }
     }
   });

@@ -14,8 +14,9 @@ namespace sansmesh::inline v1 {
 
 /// Linear on tetrahedra between the sample of a cell, a face centre and two corners of the face. Corner values come
 /// from the least-squares plane of the samples in the adjacent cells, clamped to their range; at the surface of the
-/// volume from the next ones too, with at most one and a half times the range beyond it, so that linear functions are
-/// reproduced up to the surface. The value at a face centre is the mean of the face corners.
+/// volume from the next ones too, with at most one and a half times the range beyond it, in the share in which the
+/// plane explains the samples, so that linear functions are reproduced up to the surface, and steps are not
+/// extrapolated. The value at a face centre is the mean of the face corners.
 class CellInterpolant {
  public:
   /// `volume` has cell data and is no lattice; both must outlive the object.

@@ -17,11 +17,12 @@ class DegreeField {
   virtual void degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const = 0;
 };
 
-/// VolumeFieldValues with the degrees, one per point.
+/// VolumeFieldValues with the degrees, one per point; with a `level`, as LevelField.
 struct PolynomialValues {
   std::span<double> values;
   std::span<Vec3> gradients;
   std::span<std::uint8_t> inside, degrees;
+  const double* level = nullptr;
 };
 
 }  // namespace sansmesh::inline v1

@@ -9,8 +9,10 @@
 #include "sansmesh/volume/methods/cell_blend.h"
 #include "sansmesh/volume/methods/support_blend.h"
 #include "sansmesh/volume/reconstruction_input.h"
+#include "sansmesh/volume/samples/cell_fronts.h"
 #include "sansmesh/volume/samples/lattice_polynomials.h"
 #include "sansmesh/volume/samples/local_polynomials.h"
+#include "sansmesh/volume/samples/mean_polynomials.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh::inline v1 {
@@ -56,8 +58,15 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
   chosen.degree = local.fit.max_degree;
   chosen.robust = local.fit.robust;
   ReconstructionCoefficients& fitted = input.coefficients;
+  // Fits of older files, without this option, took centres.
+  const bool means =
+      input.volume->in_cells && !input.volume->lattice &&
+      input.options.cell_values.value_or(fitted.empty() ? CellValues::means : CellValues::centres) == CellValues::means;
+  if (input.volume->in_cells) chosen.cell_values = means ? CellValues::means : CellValues::centres;
   if (fitted.empty()) {
-    fitted.polynomials = fit_polynomials(*input.volume, input.values, local, input.progress);
+    fitted.polynomials = means
+                             ? fit_mean_polynomials(*input.volume, input.values, local, input.logarithm, input.progress)
+                             : fit_polynomials(*input.volume, input.values, local, input.progress);
     if (blends_supports(*input.volume, "mls-detail"))
       fitted.radii = support_radii(*input.volume, fitted.polynomials, 1);
   }
@@ -71,8 +80,12 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
                     "disagree, and the result is hardly better than linear interpolation there",
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
-  if (blends_supports(*input.volume, "mls-detail"))
-    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values);
+  if (blends_supports(*input.volume, "mls-detail")) {
+    CellFronts fronts;
+    if (means && local.fit.robust) fronts = find_cell_fronts(*input.volume, input.values, polynomials, input.logarithm);
+    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values,
+                              std::move(fronts));
+  }
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }

@@ -114,7 +114,7 @@ void GroupedField::evaluate_outside(Group& group, const PolynomialValues& wanted
   const auto to = group.to;
   std::iota(group.to.begin(), group.to.end(), 0u);
   s.values.resize(n * c), s.gradients.resize(n * c), s.degrees.resize(wanted.degrees.empty() ? 0 : n);
-  evaluate_group(group, *s.memory, {s.values, s.gradients, {}, s.degrees});
+  evaluate_group(group, *s.memory, {s.values, s.gradients, {}, s.degrees, wanted.level});
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 beyond = held_outside(*volume_, *group.locations[i], group.out[i]);
     for (std::size_t k = 0; k < c; ++k) {

@@ -52,10 +52,10 @@ class GroupedField : public VolumeField, public DegreeField {
   virtual bool goes_on_straight() const { return false; }
 
   const SampledVolume& volume() const { return *volume_; }
+  void evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const;
 
  private:
   struct Block;
-  void evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const;
   void evaluate_outside(Group& group, const PolynomialValues& wanted, Block& block) const;
   void evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
                       std::size_t last, const PolynomialValues& wanted, Block& block) const;

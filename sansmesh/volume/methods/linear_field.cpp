@@ -251,11 +251,16 @@ static std::unique_ptr<VolumeField> make_linear_field(ReconstructionInput input)
 namespace {
 
 constexpr VolumeMethod kLinearMethods[] = {
-    {.name = "nearest", .summary = "the value of the nearest sample", .grids = "all", .make = make_nearest_field},
+    {.name = "nearest",
+     .summary = "the value of the nearest sample",
+     .grids = "all",
+     .make = make_nearest_field,
+     .plain = true},
     {.name = "linear",
      .summary = "interpolation in the grid's cells: trilinear in hexahedra, barycentric in tetrahedra",
      .grids = "all",
-     .make = make_linear_field}};
+     .make = make_linear_field,
+     .plain = true}};
 
 }  // namespace
 

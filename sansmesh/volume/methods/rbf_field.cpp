@@ -25,6 +25,11 @@ constexpr double kBlendReach = 1.05;     ///< just over the reach that covers th
 constexpr double kFunctionReach = 3;     ///< scale of the functions over the distance of the farthest sample
 constexpr std::size_t kMostNodes = 120;  ///< per system
 constexpr double kLeastRidge = 1e-13;
+/// Least squared pivot: below, nodes of overlapping blocks nearly coincide in the metric, and a larger ridge makes the
+/// functions nearly interpolate, up to the largest one.
+constexpr double kLeastPivot = 1e-11, kMostRidge = 1e-9;
+/// Values stay within the range of the nodes, widened by this share of it on both sides.
+constexpr double kBeyondNodes = 1.5;
 constexpr double kGapWeight = 1e-8;
 constexpr Eigen::Index kTail = 4;  ///< coefficients of the linear function
 
@@ -43,7 +48,9 @@ Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<V
   for (double ridge = kLeastRidge; ridge < 1; ridge *= 100) {
     matrix.diagonal().setConstant(1 + ridge);
     cholesky.compute(matrix);
-    if (cholesky.info() == Eigen::Success) break;
+    if (cholesky.info() != Eigen::Success) continue;
+    const double pivot = cholesky.matrixLLT().diagonal().minCoeff();
+    if (pivot * pivot >= kLeastPivot || ridge >= kMostRidge) break;
   }
   // With K = L Lᵀ the tail is the least-squares solution of L⁻¹P a = L⁻¹f.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> least;
@@ -119,6 +126,12 @@ class RbfSystems {
       const Vec3 slope{c[m + k], c[2 * m + k], c[3 * m + k]};
       values[k] += c[k] + dot(slope, u);
       gradients[k] = supports_.transposed(sample, gradients[k] + slope);
+      double least = values_.values[sample * m + k], most = least;
+      for (const std::uint32_t node : near)
+        least = std::min(least, values_.values[node * m + k]), most = std::max(most, values_.values[node * m + k]);
+      const double beyond = kBeyondNodes * (most - least);
+      const double held = std::clamp(values[k], least - beyond, most + beyond);
+      if (held != values[k]) values[k] = held, gradients[k] = {};
     }
   }
 

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/field/level_field.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_finder.h"
 #include "sansmesh/volume/kernels/support_kernels.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
+#include "sansmesh/volume/methods/front_share.h"
 #include "sansmesh/volume/methods/grouped_field.h"
 #include "sansmesh/volume/samples/support_index.h"
 
@@ -61,6 +64,7 @@ class LinearShare {
     });
   }
 
+  const CellInterpolant& interpolant() const { return *interpolant_; }
   /// Whether the share is positive anywhere in a cell.
   bool has(std::size_t cell) const { return any_[cell] != 0; }
   /// Values, and the share as the last one; and their gradients, if requested.
@@ -121,19 +125,77 @@ class LinearShare {
   std::vector<std::uint8_t> any_;  // per cell
 };
 
-class SupportBlend final : public GroupedField {
+/// Bounds of the polynomials: the values of the star, and for samples in cells of linear interpolation at the corners,
+/// widened on both sides by a quarter of their difference, with full trust by one and a half times; not negative
+/// (positive) if no sample is.
+class PolynomialBounds {
+ public:
+  PolynomialBounds() = default;
+  PolynomialBounds(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials,
+                   const CellInterpolant* corners)
+      : components_(values.components) {
+    const std::size_t n = volume.size(), c = components_;
+    bounds_.resize(n * c);
+    const Adjacency cells = cells_of_samples(volume);
+    std::vector<std::array<double, 2>> all(
+        c, {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t m = 0; m < c; ++m) {
+        const double v = values.values[i * c + m];
+        all[m] = {std::min(all[m][0], v), std::max(all[m][1], v)};
+      }
+    parallel_for(0, n, 1024, [&](std::size_t i) {
+      for (std::size_t m = 0; m < c; ++m) {
+        double least = values.values[i * c + m], most = least;
+        const auto take = [&](double v) { least = std::min(least, v), most = std::max(most, v); };
+        for (const std::uint32_t j : volume.stars[i]) take(values.values[j * c + m]);
+        for (const std::uint32_t cell : cells[i])
+          for (const std::uint32_t k : volume.cells[cell])
+            take(corners ? corners->at_corner(k, m) : values.values[k * c + m]);
+        const auto trust = static_cast<double>(polynomials.trust[i]);
+        const double beyond = (kBeyondStar + kBeyondTrusted * trust * trust) * (most - least);
+        least -= beyond, most += beyond;
+        if (all[m][0] >= 0) least = std::max(least, 0.0);
+        if (all[m][1] <= 0) most = std::min(most, 0.0);
+        bounds_[i * c + m] = {least, most};
+      }
+    });
+  }
+
+  void set(std::size_t sample, std::size_t component, double base, SupportTerm& term) const {
+    const auto& b = bounds_[sample * components_ + component];
+    term.least = static_cast<float>(b[0] - base), term.most = static_cast<float>(b[1] - base);
+  }
+
+ private:
+  static constexpr double kBeyondStar = 0.25, kBeyondTrusted = 1.25;
+
+  std::size_t components_ = 1;
+  std::vector<std::array<double, 2>> bounds_;  // per sample and component
+};
+
+class SupportBlend final : public GroupedField, public LevelField {
  public:
   SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-               LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values)
+               LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values, CellFronts fronts)
       : GroupedField(std::move(volume), std::move(locator), polynomials.components),
         polynomials_(std::move(polynomials)),
         radii_(std::move(radii)) {
     index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
     if (!this->volume().cell_sample.empty()) linear_.emplace(this->volume(), values, polynomials_);
+    bounds_ = PolynomialBounds(this->volume(), values, polynomials_, linear_ ? &linear_->interpolant() : nullptr);
+    if (!fronts.fronts.empty()) fronts_.emplace(this->volume(), polynomials_, radii_, std::move(fronts));
+  }
+
+  void evaluate_level(double level, std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
+    evaluate_all(x, {wanted.values, wanted.gradients, wanted.inside, {}, &level});
   }
 
  private:
   struct Lists final : Memory {
+    FrontShare::Memory fronts;
+    std::vector<double> blended;  // one component: values and gradients
+    std::vector<Vec3> blended_slopes;
     SupportTile tile;
     SupportIndex::Memory found;
     std::vector<SupportTerm> terms;
@@ -169,6 +231,9 @@ class SupportBlend final : public GroupedField {
         linear_->evaluate(*group.locations[i], group.x[i], std::span(lists.flat).subspan(i * (c + 1), c + 1),
                           gradient ? std::span(lists.slopes).subspan(i * (c + 1), c + 1) : std::span<Vec3>());
     }
+    const bool front = fronts_ && fronts_->any(supports);
+    std::vector<double>& blended = lists.blended;
+    std::vector<Vec3>& slopes = lists.blended_slopes;
     const auto slots = static_cast<std::size_t>(monomial_count(3, LocalPolynomials::kMaxDegree) - 1);
     lists.terms.resize(supports.size());
     for (std::size_t m = 0; m < c; ++m) {
@@ -181,6 +246,7 @@ class SupportBlend final : public GroupedField {
         term.metric = polynomials_.metric(volume(), i);
         term.inverse_square = 1 / (radii_[i] * radii_[i]);
         term.degree = polynomials_.degrees[i];
+        bounds_.set(i, m, base, term);
         term.constant = static_cast<float>(polynomials_.constants[i * c + m] - base);
         const auto of = polynomials_.of(i, m);
         term.coefficients = of.data();
@@ -191,27 +257,33 @@ class SupportBlend final : public GroupedField {
         }
       }
       detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, tile);
+      blended.resize(n), slopes.resize(gradient ? n : 0);
       for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t to = group.to[i] * c + m;
         const float divisor = tile.weight[i];
-        if (!(divisor > kNoSupport)) {
-          if (!wanted.values.empty()) wanted.values[to] = base;
-          if (gradient) wanted.gradients[to] = {};
-          continue;
-        }
+        blended[i] = 0;
+        if (gradient) slopes[i] = {};
+        if (!(divisor > kNoSupport)) continue;
         const float value = tile.value[i] / divisor;
-        const double fitted = base + static_cast<double>(value);
+        const double fitted = static_cast<double>(value);
         const double* flat = shared ? lists.flat.data() + i * (c + 1) : nullptr;
-        if (!wanted.values.empty()) wanted.values[to] = shared ? fitted + flat[c] * (flat[m] - fitted) : fitted;
+        const double more = shared ? flat[m] - base - fitted : 0;
+        blended[i] = shared ? fitted + flat[c] * more : fitted;
         if (!gradient) continue;
         Vec3 g;
         for (std::size_t k = 0; k < 3; ++k)
           g[k] = static_cast<double>((tile.value_slope[k][i] - value * tile.weight_slope[k][i]) / divisor);
         if (shared) {
-          const Vec3* slopes = lists.slopes.data() + i * (c + 1);
-          g = g + (slopes[m] - g) * flat[c] + slopes[c] * (flat[m] - fitted);
+          const Vec3* flat_slopes = lists.slopes.data() + i * (c + 1);
+          g = g + (flat_slopes[m] - g) * flat[c] + flat_slopes[c] * more;
         }
-        wanted.gradients[to] = g;
+        slopes[i] = g;
+      }
+      if (front)
+        fronts_->apply(supports, {origin, base, wanted.level, n, gradient}, tile, blended, slopes, lists.fronts);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t to = group.to[i] * c + m;
+        if (!wanted.values.empty()) wanted.values[to] = base + blended[i];
+        if (gradient) wanted.gradients[to] = slopes[i];
       }
     }
     if (wanted.degrees.empty()) return;
@@ -222,6 +294,8 @@ class SupportBlend final : public GroupedField {
   SharedArray<float> radii_;
   SupportIndex index_;
   std::optional<LinearShare> linear_;
+  PolynomialBounds bounds_;
+  std::optional<FrontShare> fronts_;
 };
 
 }  // namespace
@@ -248,9 +322,9 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const VolumeValues& values) {
+                                                const VolumeValues& values, CellFronts fronts) {
   return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
-                                        values);
+                                        values, std::move(fronts));
 }
 
 }  // namespace sansmesh::inline v1

@@ -7,6 +7,7 @@
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/samples/cell_fronts.h"
 #include "sansmesh/volume/samples/local_polynomials.h"
 #include "sansmesh/volume_field.h"
 
@@ -18,7 +19,9 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 
 /// F(x) = Σ_i w_i(x) p_i(x) / Σ_i w_i(x) over the samples whose ellipsoids contain x, r = ‖M_i (x − x_i)‖ / radius_i <
 /// 1, w = (1 − r²)⁴. Terms of degree 2 and more are multiplied by the polynomials' `trust`. For cell data linear
-/// interpolation replaces untrusted polynomials (docs/methods/volume-reconstruction.md).
+/// interpolation replaces untrusted polynomials (docs/methods/volume-reconstruction.md). No polynomial leaves the range
+/// of its star and of linear interpolation at the corners of its cell by more than a quarter of that range, with full
+/// trust one and a half times it. Near `fronts` these replace the blend (FrontShare).
 ///
 /// Continuous wherever the mesh is connected, also across block borders and levels. A support does not cross gaps: in a
 /// cell only samples within kRings mesh edges of the cell's own samples count. Outside the volume: the value at its
@@ -26,6 +29,6 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const VolumeValues& values);
+                                                const VolumeValues& values, CellFronts fronts = {});
 
 }  // namespace sansmesh::inline v1

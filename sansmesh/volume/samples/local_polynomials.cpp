@@ -67,9 +67,9 @@ constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
 // Corrections of this size relative to the differences of neighbours count as under-resolved: parabolas have extrema
 // within the edges.
 constexpr double kCoarse = 0.25;
-/// Corrections and disagreements up to this share of the differences of neighbours, or of the values, are rounding
-/// errors, since coefficients are floats.
-constexpr double kRoundedDifference = 1e-7, kRoundedValue = 1e-15;
+/// Corrections and disagreements up to this share of the largest difference to a neighbour, or of the largest value,
+/// are rounding errors: coefficients are floats, values come from sums. Such disagreement is no doubt.
+constexpr double kRoundedDifference = 1e-6, kRoundedValue = 1e-13;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 class EdgeSupport {
@@ -195,7 +195,7 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
     EdgeSupport support(volume);
     for (std::size_t i = begin; i < end; ++i) {
       volume.star(i, star);
-      double gain = 0, doubt = 0, open = 0, varied = 0, sizes = 0;
+      double gain = 0, doubt = 0, open = 0, varied = 0, rounding = 0;
       const Vec3 x = volume.position(i);
       const StarMetric metric = p.metric(volume, i);
       support.set(x, metric, star);
@@ -211,7 +211,10 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
           gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
-          varied += (fi - fj) * (fi - fj), sizes += fi * fi + fj * fj;
+          varied += (fi - fj) * (fi - fj);
+          const double rounded =
+              std::max(kRoundedDifference * std::abs(fi - fj), kRoundedValue * std::max(std::abs(fi), std::abs(fj)));
+          rounding = std::max(rounding, rounded * rounded);
         }
       }
       // The mean over cell centres counts as much as that over edges.
@@ -223,8 +226,8 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
         doubt += coarse * coarse * coarse * open * (1 + inside.gain / gain);
       }
       gain += inside.gain, doubt += kDisagreement * inside.doubt;
-      const double rounding = kRoundedDifference * kRoundedDifference * varied + kRoundedValue * kRoundedValue * sizes;
-      if (doubt > 0 && gain + doubt > rounding) trust[i] = static_cast<float>(gain / (gain + doubt));
+      doubt -= rounding * static_cast<double>(star.size());
+      if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }
   });
   return trust;

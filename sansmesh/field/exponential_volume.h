@@ -1,0 +1,31 @@
+// Volume field whose values are the exponentials of another field.
+#pragma once
+
+#include <memory>
+
+#include "sansmesh/volume_field.h"
+
+namespace sansmesh::inline v1 {
+
+/// exp(g) for a field g of one component, the logarithm of a positive quantity. Values are positive everywhere. The
+/// level set {exp(g) = v} is {g = log v}, with smaller differences of slope: users of level sets take logarithm().
+class ExponentialVolume : public VolumeField {
+ public:
+  /// exp(g) · factor; a factor that is a power of two keeps all digits. Throws ArgumentError for several components.
+  explicit ExponentialVolume(std::shared_ptr<const VolumeField> logarithm, double factor = 1);
+
+  const std::shared_ptr<const VolumeField>& logarithm() const { return field_; }
+  double factor() const { return factor_; }
+
+  Box3 bounds() const override { return field_->bounds(); }
+  std::size_t components() const override { return 1; }
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
+  void spacing(std::span<const Vec3> x, std::span<double> found) const override { field_->spacing(x, found); }
+  void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
+
+ private:
+  std::shared_ptr<const VolumeField> field_;
+  double factor_;
+};
+
+}  // namespace sansmesh::inline v1
