@@ -1,5 +1,6 @@
 #include "sansmesh/volume/samples/cell_fronts.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,6 +24,9 @@ constexpr double kDoubtful = 0.3, kTrusted = 0.6;
 constexpr double kSmallDeviation = 0.04, kLargeDeviation = 1.0 / 12;
 /// Deviations of logarithms count more: exponentials are almost fronts.
 constexpr double kOfLogarithms = 2;
+/// The same over the deviation from a parabola through the means: a smooth rise between two flat regions is almost a
+/// front, but a parabola explains it as well.
+constexpr double kBetterThanParabola = 0.4, kLikeParabola = 0.7;
 /// Distance of the front from the middle of its cell, in extents of the cell.
 constexpr double kInsideCell = 0.75, kOutsideCell = 1.25;
 /// Share of the stencil wholly on the smaller side of the front: a value from a few cells is uncertain.
@@ -180,6 +184,28 @@ class FrontFinder {
     return std::min(front, behind) / weights;
   }
 
+  /// Root mean square of the means minus their least-squares parabola, which is a function of the centers: the second
+  /// moments of cells of one size are about equal.
+  double parabola_deviation(double size) const {
+    using Row10 = Eigen::Matrix<double, 10, 1>;
+    Eigen::Matrix<double, 10, 10> matrix = Eigen::Matrix<double, 10, 10>::Zero();
+    Row10 right = Row10::Zero();
+    double squares = 0, weights = 0;
+    for (const FrontCells::Cell& cell : stencil_cells_.cells) {
+      const Vec3 y = cell.center / size;
+      Row10 row;
+      row << 1, y.x, y.y, y.z, y.x * y.x, y.x * y.y, y.x * y.z, y.y * y.y, y.y * y.z, y.z * y.z;
+      matrix += cell.weight * row * row.transpose();
+      right += cell.weight * cell.mean * row;
+      squares += cell.weight * cell.mean * cell.mean, weights += cell.weight;
+    }
+    matrix.diagonal() *= 1 + 1e-9;
+    const Eigen::LDLT<Eigen::Matrix<double, 10, 10>> solver(matrix);
+    const double explained = right.dot(solver.solve(right));
+    return std::isfinite(explained) ? std::sqrt(std::max(squares - explained, 0.0) / weights)
+                                    : std::sqrt(squares / weights);
+  }
+
   CellFront made(const StarMetric& metric, const FrontShape& f, double size, double doubt) const {
     CellFront front;
     const double rise = f.high - f.low;
@@ -187,8 +213,11 @@ class FrontFinder {
     if (logarithm_ && !(low > 0)) return front;
     double deviation = f.deviation / rise;
     if (logarithm_) deviation = std::max(deviation, kOfLogarithms * logarithmic_deviation(f, size));
+    const double parabola = parabola_deviation(size);
+    if (!(parabola > 0)) return front;
     const double trust = doubt * fade(-smaller_side(f, size), -kLargeSide, -kSmallSide) *
                          fade(deviation, kSmallDeviation, kLargeDeviation) *
+                         fade(f.deviation, kBetterThanParabola * parabola, kLikeParabola * parabola) *
                          fade(std::abs(f.offset), kInsideCell * size, kOutsideCell * size);
     if (!(trust > 0.01)) return front;
     // From positions to the metric: x − x_i = Σ_k u_k r_k / ‖r_k‖².

@@ -24,6 +24,10 @@ constexpr double kLikeNoise = 0.05, kAlternating = -0.5, kSpreadOfPair = 0.6;
 constexpr double kQuanta = 0.6;           // noise below is rounding to integers
 constexpr double kRoundedToFloat = 2e-6;  // relative to the largest value: rounding to floats
 
+/// Deviation over the range of the values below which unstructured cells may have no noise: means over cells of
+/// different shapes differ from each other as noise does.
+constexpr double kOfShapes = 0.005;
+
 /// Values minus their predictions, over the deviation for noise of deviation 1.
 class LeftOutResiduals {
  public:
@@ -96,6 +100,14 @@ double quantum_of(std::vector<double> values) {
   return quantum;
 }
 
+/// Difference of the hundredths from both ends.
+double main_range(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const std::size_t last = values.size() - 1;
+  const double lower = nth_smallest(values, last / 100);
+  return nth_smallest(values, last - last / 100) - lower;
+}
+
 /// LeftOutResiduals of pairs of neighbours, in the order of samples.
 struct Pairs {
   std::size_t components = 1;
@@ -166,7 +178,8 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
     noise.typical[m] = s;
     std::vector<double> own;
     for (const std::uint32_t i : pairs.sample) own.push_back(values.values[i * c + m]);
-    above = above || s > kQuanta * quantum_of(std::move(own));
+    const double least = volume.in_cells && !volume.lattice ? kOfShapes * main_range(own) : 0;
+    above = above || s > std::max(least, kQuanta * quantum_of(std::move(own)));
     for (std::size_t k = m; k < pairs.residual.size(); k += 2 * c) {
       const double a = pairs.residual[k], b = pairs.residual[k + c], square = a * a + b * b;
       if (!(square <= 2 * (kNoiseTails * s) * (kNoiseTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding)
