@@ -1,5 +1,6 @@
 // Height grids of samples, with and without breaklines.
 #include "sansmesh/points/ground/ground_heights.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/ground/local_plane.h"
 #include "sansmesh/points/ground/sided_plane.h"
 
@@ -165,6 +166,75 @@ bool is_equal(const HeightGrid& a, const HeightGrid& b, int first = 0) {
       if (!(x == y || (std::isnan(x) && std::isnan(y)))) return false;
     }
   return true;
+}
+
+/// Largest distance from `expected` of the heights in a square of this half size about (40, 40).
+double error_in(const HeightGrid& grid, double half, double expected) {
+  double largest = 0;
+  for (int r = 0; r < grid.heights.height; ++r)
+    for (int c = 0; c < grid.heights.width; ++c) {
+      const double x = grid.left + (c + 0.5) * grid.cell - kOrigin.x, y = grid.top - (r + 0.5) * grid.cell - kOrigin.y;
+      if (std::max(std::abs(x - 40), std::abs(y - 40)) > half) continue;
+      const auto h = static_cast<double>(grid.heights.at(c, r)) - kOrigin.z;
+      largest = std::isnan(h) ? 100 : std::max(largest, std::abs(h - expected));
+    }
+  return largest;
+}
+
+// A pit has corners in which a cell sees few samples, and a small one nothing else.
+TEST(GroundHeights, ClosedBreaklinesKeepTheirInside) {
+  for (const double half : {1.4, 2.1, 3.1, 10.1}) {
+    const auto in_pit = [&](double x, double y) { return std::max(std::abs(x - 40), std::abs(y - 40)) < half; };
+    const PointSet points = samples_of([&](double x, double y) { return in_pit(x, y) ? -3.0 : 0.0; });
+    const double a = 40 - half, b = 40 + half;
+    for (const double z : {1e-3, -3.0, -kOrigin.z}) {  // at the top, at the foot, none
+      const PolylineSet line = line_of({{a, a, z}, {b, a, z}, {b, b, z}, {a, b, z}, {a, a, z}});
+      EXPECT_LT(error_in(heights_of(points, &line), half, -3), 10 * kNoiseOfSamples) << half << " " << z;
+    }
+  }
+}
+
+/// The line with vertices `step` apart.
+PolylineSet dense_line(const Vec3& a, const Vec3& b, double step) {
+  std::vector<Vec3> all;
+  const double count = std::ceil(norm(b - a) / step);
+  for (double k = 0; k <= count; ++k) all.push_back(a + (b - a) * (k / count));
+  return line_of(all);
+}
+
+// A line 0.12 above flat ground is within the tolerance of its samples.
+TEST(GroundHeights, DenseBreaklinesCountAsSparseOnes) {
+  const Terrain flat = [](double, double) { return 0.5; };
+  const PointSet points = samples_of(flat);
+  const Vec3 a{40.2, 5, 0.62}, b{40.2, 75, 0.62};
+  const PolylineSet sparse = line_of({a, b}), dense = dense_line(a, b, 0.01);
+  const HeightErrors of_sparse = errors_near(heights_of(points, &sparse), flat, [](double x, double) { return x - 40; }),
+                     of_dense = errors_near(heights_of(points, &dense), flat, [](double x, double) { return x - 40; });
+  EXPECT_LT(of_dense.rms, 1.2 * of_sparse.rms);
+  EXPECT_LT(of_dense.largest, 0.12);
+  // Neither does a second copy count.
+  PolylineSet twice = sparse;
+  twice.positions.insert(twice.positions.end(), sparse.positions.begin(), sparse.positions.end());
+  twice.offsets.push_back(4);
+  EXPECT_TRUE(is_equal(heights_of(points, &twice), heights_of(points, &sparse)));
+}
+
+TEST(GroundHeights, RefuseBreaklinesWithoutBound) {
+  PolylineSet lines = line_of({{0, 0, 1}});
+  for (int k = 0; k < 60'000; ++k) lines.positions.push_back({k % 2 == 0 ? 80.0f : 0.0f, 0.001f * static_cast<float>(k), 1});
+  lines.offsets = {0, lines.positions.size()};
+  EXPECT_THROW(heights_of(samples_of([](double, double) { return 1.0; }), &lines), DataError);
+}
+
+// Planes of a border may not continue a cliff.
+TEST(GroundHeights, StayNearTheSamples) {
+  const Terrain cliff = [](double x, double) { return x > 77.5 ? 50 * (x - 77.5) : 0.0; };
+  const PointSet points = samples_of(cliff, [](double x, double) { return x > 78.5; });
+  const HeightGrid grid = heights_of(points);
+  float highest = 0, of_samples = 0;
+  for (const float h : grid.heights.pixels) highest = std::isnan(h) ? highest : std::max(highest, h);
+  for (const Vec3f& p : points.positions) of_samples = std::max(of_samples, p.z);
+  EXPECT_LT(static_cast<double>(highest) - kOrigin.z, static_cast<double>(of_samples) * 1.4);
 }
 
 TEST(GroundHeights, DistantBreaklinesChangeNothing) {

@@ -29,11 +29,12 @@ class ObjReader {
     if (textures_) in_.unread("texture coordinates");
     if (materials_) in_.unread("materials");
     if (groups_) in_.unread("groups of faces");
-    if (!lines_.empty()) in_.unread("lines");
+    if (has_lines_) in_.unread("lines");
     return std::move(points_);
   }
 
   PolylineSet read_lines() {
+    wants_lines_ = true;
     scan();
     PolylineSet lines;
     std::vector<Vec3> positions;
@@ -94,6 +95,8 @@ class ObjReader {
   }
 
   void polyline(TextScanner& words) {
+    has_lines_ = true;
+    if (!wants_lines_) return;
     lines_.emplace_back();
     for (std::string_view word = words.word(); !word.empty() && word.front() != '#'; word = words.word()) {
       std::int64_t v = 0;
@@ -202,7 +205,7 @@ class ObjReader {
   std::vector<std::int64_t> corners_;
   std::uint64_t line_ = 0;
   std::vector<std::vector<std::int64_t>> lines_;  ///< vertices of each line
-  bool textures_ = false, materials_ = false, groups_ = false;
+  bool wants_lines_ = false, has_lines_ = false, textures_ = false, materials_ = false, groups_ = false;
 };
 
 }  // namespace

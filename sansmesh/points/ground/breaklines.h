@@ -1,6 +1,7 @@
 // Breaklines of a terrain: lines at which its height or slope jumps.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -21,21 +22,23 @@ struct BreaklineBins {
 class Breaklines {
  public:
   struct Piece {
-    double ax, ay, bx, by;         ///< ends
-    std::optional<double> height;  ///< height of the middle over the corner; empty for lines without heights
+    double ax = 0, ay = 0, bx = 0, by = 0;  ///< ends
+    /// Height of the middle over the corner. Lines have one per edge of a bin, as samples would, if they have heights.
+    std::optional<double> height = {};
 
+    auto operator<=>(const Piece&) const = default;
     double x() const { return 0.5 * (ax + bx); }
     double y() const { return 0.5 * (ay + by); }
     /// Whether the segment from (x, y) to (u, v) crosses the piece. A point on it is on its left side.
     bool separates(double x, double y, double u, double v) const;
   };
 
-  /// A line whose heights are all 0, or not finite, has none.
+  /// A line whose heights are all 0, or not finite, has none. Throws DataError if there are too many pieces.
   Breaklines(const PolylineSet& lines, const BreaklineBins& bins);
 
   /// Number of lines with a part in the bins.
   std::size_t lines_inside() const { return lines_inside_; }
-  /// Appends the pieces in this bin of a level.
+  /// Appends the pieces with their middle in this bin of a level.
   void append_pieces(std::size_t level, std::ptrdiff_t column, std::ptrdiff_t row, std::vector<Piece>& pieces) const;
   /// Whether a line passes through the bin: the mean of its samples mixes two sides.
   bool crosses(std::size_t level, std::ptrdiff_t column, std::ptrdiff_t row) const;
@@ -49,6 +52,7 @@ class Breaklines {
   };
 
   Level make_level(const PolylineSet& lines, const BreaklineBins& bins, std::size_t level);
+  static void sort_pieces(Level& level, std::vector<Piece> pieces, double edge);
 
   std::vector<Level> levels_;
   std::size_t lines_inside_ = 0;

@@ -30,6 +30,8 @@ constexpr std::ptrdiff_t kBinReach = 2;
 /// Least number of samples or means around a centre, and of quadrants that contain some.
 constexpr std::size_t kFewestForHeight = 6;
 constexpr int kSurrounding = 3;
+/// Least number of samples for a plane if breaklines hide the others.
+constexpr std::size_t kFewestForPlane = 3;
 /// Within this many spacings of a sample, a centre on the border of the samples needs two quadrants only.
 constexpr double kBorder = 1;
 
@@ -113,9 +115,12 @@ class HeightFinder {
       : points_(points), bins_(bins), lines_(lines), least_(least), planes_(bins.edge) {}
 
   double at(double x, double y) {
-    double height = find(x, y, lines_);
-    if (std::isnan(height) && lines_) height = find(x, y, nullptr);
-    return height;
+    const double height = find(x, y, lines_);
+    if (!std::isnan(height) || !lines_) return height;
+    const bool sees_some = seen_ > 0;
+    const double across = find(x, y, nullptr);
+    // Within the samples, few on this side are better than many on the other.
+    return !std::isnan(across) && sees_some ? height_of_few(x, y) : across;
   }
   /// Deviation of the samples from their plane; nothing in gaps.
   std::optional<double> deviation_at(double x, double y) {
@@ -125,18 +130,44 @@ class HeightFinder {
   }
 
  private:
-  bool is_surrounded(std::size_t level) const {
+  bool is_surrounded(std::size_t level, std::size_t fewest = kFewestForHeight) const {
     const bool near = level == 0 && nearest_ <= kBorder * bins_.edge * kBorder * bins_.edge;
-    return values_.size() >= kFewestForHeight && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding);
+    return values_.size() >= fewest && std::popcount(quadrants_) >= (near ? kSurrounding - 1 : kSurrounding);
   }
 
   double find(double x, double y, const Breaklines* lines) {
     for (std::size_t l = 0; l < bins_.levels.size(); ++l) {
       gather(x, y, l, lines);
       if (is_surrounded(l))
-        return l == 0 ? planes_.height(values_, least_) : fit_local_plane(values_, bins_.edge, scratch_).height;
+        return bounded(
+            l == 0 ? planes_.height(values_, least_) : fit_local_plane(values_, bins_.edge, scratch_).height, l);
+      // In a corner between lines, more distant means are those of the other side.
+      if (l == 0 && !pieces_.empty() && seen_ >= kFewestForPlane && is_surrounded(l, kFewestForPlane))
+        return height_of_few(x, y);
     }
     return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  /// Height of the samples on this side of the breaklines if there are at least one, but few: that of their plane from
+  /// three on, else their mean.
+  double height_of_few(double x, double y) {
+    gather(x, y, 0, lines_);
+    if (seen_ >= kFewestForPlane) return bounded(fit_local_plane(values_, bins_.edge, scratch_).height, 0);
+    double sum = 0, weights = 0;
+    for (const PlaneValue& v : values_) sum += v.weight * v.z, weights += v.weight;
+    return sum / weights;
+  }
+
+  /// Planes continue the heights of their values no farther than the nearest one is away.
+  double bounded(double height, std::size_t level) const {
+    double low = std::numeric_limits<double>::infinity(), high = -low, nearest = low;
+    for (const PlaneValue& v : values_) {
+      low = std::min(low, v.z), high = std::max(high, v.z);
+      nearest = std::min(nearest, v.x * v.x + v.y * v.y);
+    }
+    const double reach = std::ldexp((kBinReach + 0.5) * bins_.edge, static_cast<int>(level));
+    const double beyond = (high - low) * std::sqrt(nearest) / reach;
+    return std::clamp(height, low - beyond, high + beyond);
   }
 
   /// Adds a sample at (dx, dy) from the centre.
@@ -169,7 +200,11 @@ class HeightFinder {
              c <= std::min(level.columns - 1, column + around); ++c)
           call(c, r);
     };
-    if (lines) for_each_bin(kBinReach + 1, [&](auto c, auto r) { lines->append_pieces(l, c, r, pieces_); });
+    if (lines) {
+      for_each_bin(kBinReach + 1, [&](auto c, auto r) { lines->append_pieces(l, c, r, pieces_); });
+      // A piece is at most an edge long.
+      std::erase_if(pieces_, [&](const Breaklines::Piece& p) { return std::hypot(p.x() - x, p.y() - y) > reach + edge / 2; });
+    }
     for_each_bin(kBinReach, [&](std::ptrdiff_t c, std::ptrdiff_t r) {
       const auto bin = static_cast<std::size_t>(r * level.columns + c);
       const auto& m = level.means[bin];
@@ -187,13 +222,14 @@ class HeightFinder {
         add_seen(p.x - bins_.left - x, p.y - bins_.bottom - y, p.z);
       }
     });
+    if (l == 0) seen_ = values_.size();
     if (!pieces_.empty()) add_lines(x, y, reach);
   }
 
-  /// Adds the heights of the breaklines that continue the samples on this side; all if there are no samples, none if
-  /// there are too few for a plane.
+  /// Adds the heights of the breaklines that continue the samples on this side; all if there are no samples next to
+  /// the centre, none if there are too few for a plane.
   void add_lines(double x, double y, double reach) {
-    const bool judged = values_.size() >= kFewestForHeight, alone = values_.empty();
+    const bool judged = values_.size() >= kFewestForPlane, alone = values_.empty() && seen_ == 0;
     LocalPlane plane;
     double tolerance = 0;
     if (judged) {
@@ -225,6 +261,7 @@ class HeightFinder {
   std::vector<double> scratch_;
   unsigned quadrants_ = 0;
   double nearest_ = 0;
+  std::size_t seen_ = 0;  ///< samples on this side of the breaklines at level 0
 };
 
 std::optional<Breaklines> breaklines_in(const Bins& bins, const PointSet& points, const PolylineSet* lines) {

@@ -29,7 +29,7 @@ struct GroundHeights {
 ///
 /// Planes have no samples from the other side of a breakline: those to which a straight line crosses it. The heights of
 /// the line are samples of each side that they continue: at the foot of a wall, those of its top do not count. Cells
-/// that see too few samples on their side are filled as without breaklines.
+/// between lines take the few samples that they see; those that see none are filled as without breaklines.
 ///
 /// Throws DataError if there are too many cells.
 GroundHeights make_ground_heights(const PointSet& points, const GroundHeightOptions& options, Progress& progress);

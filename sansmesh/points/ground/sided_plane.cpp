@@ -1,7 +1,6 @@
 #include "sansmesh/points/ground/sided_plane.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +17,8 @@ constexpr double kBeyondPlace = 0.5;
 /// Half planes, and the largest share of the deviation of all values that one may have.
 constexpr int kSides = 8;
 constexpr double kBetterSide = 0.33;
+/// The half plane counts in full from twice the least deviation on, and if its own is half of that share.
+constexpr double kClearlyBetter = 2;
 /// Weight of the nearest value, which shows the side of the place, beside the mean square of all.
 constexpr double kNearestWeight = 0.5;
 
@@ -54,6 +55,7 @@ double SidedPlanes::height(std::span<const PlaneValue> values, double least) {
     return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y;
   });
   double height = all.height, best = kBetterSide * deviation;
+  const double limit = best;
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2 * std::numbers::pi * k / kSides, c = std::cos(angle), s = std::sin(angle);
     side_.clear();
@@ -70,7 +72,9 @@ double SidedPlanes::height(std::span<const PlaneValue> values, double least) {
         std::minmax_element(side_.begin(), side_.end(), [](const auto& a, const auto& b) { return a.z < b.z; });
     height = std::clamp(plane.height, low->z - best, high->z + best);
   }
-  return height;
+  // No height may hang on which side of a limit a deviation is.
+  const double stepped = std::min(1.0, deviation / least - 1), better = std::min(1.0, kClearlyBetter * (1 - best / limit));
+  return all.height + stepped * better * (height - all.height);
 }
 
 }  // namespace sansmesh::inline v1

@@ -15,8 +15,8 @@ class SidedPlanes {
   /// `unit`: spacing of the samples (length).
   explicit SidedPlanes(double unit) : unit_(unit) {}
 
-  /// Height at 0 of the plane through all values; if their deviation exceeds `least`, of that of the half plane with
-  /// the least deviation, if it is a third of that of all.
+  /// Height at 0 of the plane through all values; the more their deviation exceeds `least` (> 0), the more of
+  /// that of the half plane with the least deviation, if it is below a third of that of all.
   double height(std::span<const PlaneValue> values, double least);
   /// Deviation of the values from the plane through all of them.
   double deviation(std::span<const PlaneValue> values);
