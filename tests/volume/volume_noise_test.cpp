@@ -28,7 +28,7 @@ std::vector<NamedGrid> grids_for_noise() {
   grids.emplace_back("stretched", stretched_grid({15, 14, 13}, zero, 1.1));
   grids.emplace_back("bent", bent_grid({13, 14, 13}, zero));
   grids.emplace_back("o-grid", o_grid({29, 10, 9}, zero));
-  grids.emplace_back("tetrahedra", tetrahedra_grid({11, 10, 11}, zero));
+  grids.emplace_back("tetrahedra", tetrahedra_grid({15, 14, 16}, zero));
   grids.emplace_back("mixed", mixed_grid({13, 13, 13}, zero));
   grids.emplace_back("two levels", two_level_amr(12, zero));
   grids.emplace_back("overlapping", three_overlapping_blocks(11, zero));
