@@ -10,7 +10,7 @@ constexpr FormatInfo kCopcFormats[] = {{.name = "COPC",
                                         .written = {{{"copc.laz", kPoints}}},
                                         .write_points = io::points_to_copc,
                                         .points_capacity = FormatCapacity::all_but_normals,
-                                        .system_capacity = SystemCapacity::records}};
+                                        .system_capacity = SystemCapacity::records_of_text}};
 
 }  // namespace
 

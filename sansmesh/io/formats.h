@@ -84,8 +84,8 @@ struct WrittenAs {
 enum class FormatCapacity : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
 
 /// How a format holds a reference system: in a file .prj beside it, as a line of text (WKT or an EPSG code), or in
-/// records of LAS (also GeoTIFF keys).
-enum class SystemCapacity : std::uint8_t { beside, text, records };
+/// records of LAS (also GeoTIFF keys), of which programs may read WKT only (octrees).
+enum class SystemCapacity : std::uint8_t { beside, text, records, records_of_text };
 
 /// The bytes of a file, in parts.
 using FileParts = std::vector<std::string>;

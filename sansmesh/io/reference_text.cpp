@@ -1,5 +1,6 @@
 #include "sansmesh/io/reference_text.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -35,10 +36,24 @@ SharedSystem read_prj(const std::string& name) {
   return system_of_text(without_byte_order_mark(text));
 }
 
+bool has_records(const FormatInfo& format) {
+  return format.system_capacity == SystemCapacity::records || format.system_capacity == SystemCapacity::records_of_text;
+}
+
+/// Whether programs that read such a file know WKT only. Its ending has two parts, of which the last is another
+/// format's.
+bool needs_text(const std::string& file) {
+  const std::string name = lower(file);
+  const std::vector<const FormatInfo*> all = formats();
+  return std::any_of(all.begin(), all.end(), [&](const FormatInfo* f) {
+    return f->system_capacity == SystemCapacity::records_of_text && name.ends_with("." + std::string(f->endings));
+  });
+}
+
 /// Whether the system is in the file or in a file .prj beside it.
 bool keeps_system(const FormatInfo& format, const ReferenceSystem& system) {
   if (!wkt_of(system).empty()) return true;
-  if (format.system_capacity == SystemCapacity::records && !system.geo_keys.empty()) return true;
+  if (has_records(format) && !system.geo_keys.empty()) return true;
   return format.system_capacity != SystemCapacity::beside && system.code != 0;
 }
 
@@ -102,8 +117,11 @@ std::string system_remark(const std::string& file, const ReferenceSystem* system
   if (system && !keeps_system(*format, *system))
     return "cannot hold the reference system (" + system_words(*system) + "), of which no WKT is known: left out; " +
            (system->code != 0 ? "LAS, LAZ, PLY and GLB hold it" : "LAS and LAZ hold it");
+  if (system && needs_text(file) && !states_unknown(*system) && wkt_of(*system).empty())
+    return "holds the reference system (" + system_words(*system) +
+           ") without WKT, which is not known: programs that read octrees may take it for unknown";
   if (format->system_capacity == SystemCapacity::text || !has_system_beside(file)) return {};
-  if (format->system_capacity == SystemCapacity::records && system) return {};
+  if (has_records(*format) && system) return {};
   const std::string name = name_beside(file);
   const SharedSystem other = read_prj(name);
   if (!other && !system) return {};

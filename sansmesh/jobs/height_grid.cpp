@@ -42,12 +42,23 @@ double cell_of_tiles(double wanted, std::optional<double> tile) {
   return tile ? *tile / std::max(1.0, std::floor(*tile / wanted * (1 + 1e-9))) : wanted;
 }
 
-/// Throws ArgumentError unless tiles have whole cells.
+/// Largest number of cells of a tile: 400 MB in a file.
+constexpr double kMostTileCells = 1e8;
+
+/// Number of cells of an edge of a tile. Throws ArgumentError unless it is whole, and if there are too many.
+std::int64_t cells_of_tile(double tile, double cell) {
+  const double cells = tile / cell;
+  if (!(cells >= 0.5 && std::abs(cells - std::round(cells)) <= 1e-9 * cells))
+    throw ArgumentError(fmt::format("`tile_size` {:.6g} must be a multiple of `cell` {:.6g}", tile, cell));
+  if (!(cells * cells <= kMostTileCells))
+    throw ArgumentError(fmt::format("a tile of {:.6g} would have {:.6g} cells of {:.6g}: at most {:.0f} are possible",
+                                    tile, cells * cells, cell, kMostTileCells));
+  return std::llround(cells);
+}
+
 void check_tiles(const HeightGridOptions& options, std::optional<double> tile) {
-  if (!tile || !options.cell) return;
-  const double cells = *tile / *options.cell;
-  if (cells < 0.5 || std::abs(cells - std::round(cells)) > 1e-9 * cells)
-    throw ArgumentError(fmt::format("`tile_size` {:.6g} must be a multiple of `cell` {:.6g}", *tile, *options.cell));
+  if (tile && !(*tile > 0 && std::isfinite(*tile))) throw ArgumentError("`tile_size` must be positive");
+  if (tile && options.cell) cells_of_tile(*tile, *options.cell);
 }
 
 GroundHeights grid_of_points(const TerrainSamples& samples, const HeightGridOptions& options, const HeightGridUse& use,
@@ -182,7 +193,7 @@ HeightGridResult make_height_grid(const TriangleMesh& surface, const TerrainSamp
 }
 
 std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_size) {
-  const auto cells = static_cast<std::int64_t>(std::llround(tile_size / grid.cell));
+  const std::int64_t cells = cells_of_tile(tile_size, grid.cell);
   const std::int64_t left = std::llround(grid.left / grid.cell), top = std::llround(grid.top / grid.cell);
   const auto below = [&](std::int64_t k) { return k / cells - (k % cells < 0 ? 1 : 0); };
   const std::int64_t first = below(left), last = below(left + grid.heights.width - 1);
@@ -210,6 +221,10 @@ std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_si
         }
       if (known) tiles.push_back(std::move(tile));
     }
+  std::vector<std::string> places;
+  places.reserve(tiles.size());
+  for (const HeightTile& tile : tiles) places.push_back(tile.place);
+  check_places(std::move(places));
   return tiles;
 }
 

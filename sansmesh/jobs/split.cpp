@@ -30,7 +30,9 @@ std::size_t large_enough(const std::vector<std::size_t>& sizes, const SplitOptio
 
 /// Throws DataError if there are no parts, or too many. `of`: "triangles".
 void check_parts(std::size_t parts, const SplitOptions& options, const std::string& of, SplitResult& result) {
-  const std::string all = fmt::format("`split` finds {}", counted(result.found, "part"));
+  const bool tiles = result.tile_size.has_value();
+  const std::string all = tiles ? "there are " + counted(result.found, "tile")
+                                : fmt::format("`split` finds {}", counted(result.found, "part"));
   if (parts == 0)
     throw DataError(fmt::format("{}, none of them with {} {} or more", all, grouped(options.min_size), of));
   if (parts > options.most_parts)
@@ -39,9 +41,10 @@ void check_parts(std::size_t parts, const SplitOptions& options, const std::stri
                                     ? "`weld = 0` before it joins coincident vertices, `min_size` drops small parts"
                                     : "a larger `split_distance` joins more, `min_size` drops small parts"));
   if (parts < result.found)
-    result.notes.push_back({.code = "small_parts",
-                            .text = fmt::format("{} of fewer than {} {} dropped", counted(result.found - parts, "part"),
-                                                grouped(options.min_size), of)});
+    result.notes.push_back(
+        {.code = "small_parts",
+         .text = fmt::format("{} of fewer than {} {} dropped", counted(result.found - parts, tiles ? "tile" : "part"),
+                             grouped(options.min_size), of)});
 }
 
 SplitResult split_mesh(const TriangleMesh& mesh, const SplitOptions& options) {
@@ -89,15 +92,12 @@ SplitResult split_cloud(const PointSet& points, const SplitOptions& options, Pro
   return result;
 }
 
-/// Positions are floats: one this close below a border (in roundings) is on it.
-constexpr double kRoundings = 2;
-
-/// Tile of a coordinate, in multiples of the size.
+/// Tile of a coordinate, in multiples of the size. One below a border by no more than its rounding is on the border.
 double tile_of(double origin, float position, double size) {
   const double x = origin + static_cast<double>(position);
-  const double rounding = std::ldexp(std::abs(static_cast<double>(position)), -24);
+  const double rounding = std::abs(static_cast<double>(position)) * 0x1p-24 + std::abs(x) * 0x1p-50;
   const double tile = std::floor(x / size);
-  return (tile + 1) * size - x <= kRoundings * rounding ? tile + 1 : tile;
+  return (tile + 1) * size - x <= rounding ? tile + 1 : tile;
 }
 
 SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options) {
@@ -127,6 +127,7 @@ SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options
     result.parts.emplace_back(take_samples(points, samples));
     result.places.push_back(place_words(at.second * size, at.first * size));
   }
+  check_places(result.places);
   return result;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -9,6 +11,14 @@ namespace sansmesh::inline v1 {
 void check_tile_count(double tiles, double most) {
   if (!(tiles <= most))
     throw DataError(fmt::format("there are more than {:.0f} tiles: `tile_size` is too small", most));
+}
+
+void check_places(std::vector<std::string> places) {
+  std::sort(places.begin(), places.end());
+  const auto equal = std::adjacent_find(places.begin(), places.end());
+  if (equal != places.end())
+    throw DataError("there are two tiles with the same corner " + *equal +
+                    " in 12 digits: `tile_size` is too small for these coordinates");
 }
 
 std::string place_words(double left, double bottom) {

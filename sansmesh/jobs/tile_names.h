@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace sansmesh::inline v1 {
 
@@ -11,6 +12,9 @@ inline constexpr std::size_t kMostTiles = 10'000;
 
 /// Throws DataError beyond `most` tiles.
 void check_tile_count(double tiles, double most);
+
+/// Throws DataError if two tiles have the same place: files would overwrite each other.
+void check_places(std::vector<std::string> places);
 
 /// "512000_5403000": corner of a tile.
 std::string place_words(double left, double bottom);

@@ -429,6 +429,19 @@ TEST_F(SurveyCommands, TilesAreNamedByTheirPlace) {
   ASSERT_EQ(grid["heights"]["files"].size(), 9u);
   EXPECT_EQ(grid["heights"]["files"][4]["file"], "out/dem_512050_5403050.tif");
   EXPECT_EQ(grid["heights"]["files"][4]["cells"], 2500);
+  // Tiles of another size would double the samples of the folder.
+  EXPECT_EQ(run({"convert", "tile.csv", "-o", "out/t.laz", "--tile-size", "50"}).err.find("another run"),
+            std::string::npos);
+  std::filesystem::create_directory(path("mixed"));
+  ASSERT_EQ(run({"convert", "tile.csv", "-o", "mixed/t.laz", "--tile-size", "50"}).code, 0);
+  const Outcome larger = run({"convert", "tile.csv", "-o", "mixed/t.laz", "--tile-size", "100"});
+  EXPECT_EQ(larger.code, 0);
+  EXPECT_NE(larger.err.find("another run"), std::string::npos) << larger.err;
+  // The ending counts in any case.
+  const Json octrees = json_of({"convert", "tile.csv", "-o", "A.COPC.LAZ", "--tile-size", "100"});
+  const std::string octree = octrees["outputs"][0]["file"];
+  EXPECT_EQ(octree, "A_512000_5403000.COPC.LAZ");
+  EXPECT_EQ(json_of({"info", octree})["format"].get<std::string>().substr(0, 4), "COPC");
   // Its own tiles are not overwritten.
   expect_failures({
       {{"convert", "out/t_512000_5403000.laz", "-o", "out/t.laz", "--tile-size", "50"}, 1, {"is an input"}},
@@ -451,8 +464,14 @@ TEST_F(SurveyCommands, BreaklinesAreRead) {
   expect_failures({
       {{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "empty.obj"}, 1, {"empty.obj", "no lines"}},
       {{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "none.dxf"}, 1, {"none.dxf"}},
-      {{"convert", "tile.csv", "-o", "c.ply", "--breaklines", "edge.obj"}, 2, {"-o FILE.tif"}},
+      {{"convert", "tile.csv", "-o", "c.ply", "--breaklines", "edge.obj"}, 2, {"-o FILE.tif", "--breaklines"}},
+      {{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "edge.obj", "--center"}, 2, {"--breaklines", "--center"}},
+      {{"convert", "tile.csv", "-o", "c.tif", "--contours", "tile.csv"}, 1, {"tile.csv", "is an input"}},
   });
+  ASSERT_EQ(run({"convert", "tile.csv", "-o", "c.tif", "--contours", "lines.vtp"}).code, 0);
+  expect_failures({{{"convert", "tile.csv", "-o", "c.tif", "--breaklines", "lines.vtp", "--contours", "lines.vtp"},
+                    1,
+                    {"lines.vtp", "is an input"}}});
 }
 
 TEST_F(SurveyCommands, AllCommandsReadBoxes) {

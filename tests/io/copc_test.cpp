@@ -9,6 +9,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/laz/copc.h"
+#include "sansmesh/io/reference_text.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -210,6 +211,30 @@ TEST(CopcWriter, WritesFewAndEqualPoints) {
   same.positions.assign(30000, {5, 5, 5});
   write_points(folder / "same.copc.laz", same);
   EXPECT_EQ(read_points(folder / "same.copc.laz").size(), 30000u);
+}
+
+// Other programs read the field of angles, and extra bytes of one number.
+TEST(CopcWriter, UsesWhatOtherProgramsRead) {
+  const Folder folder;
+  PointSet points;
+  points.positions = {{1, 2, 3}, {4, 5, 6}};
+  points.attributes.set("scan_angle", std::vector<float>{-7, 10.5f});
+  points.attributes.set("flow", std::vector<float>{1, 2, 3, 4, 5, 6}, 3);
+  auto system = std::make_shared<ReferenceSystem>();
+  system->geo_keys = {1, 1, 0, 1, 1024, 0, 1, 32767};
+  points.reference = system;
+  const std::string name = folder / "a.copc.laz";
+  write_points(name, points);
+  const PointSet read = read_points(name);
+  ASSERT_EQ(read.size(), 2u);
+  const Attribute* const angle = read.attributes.find("scan_angle");
+  ASSERT_TRUE(angle);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(angle->number(i), read.positions[i].x < 2 ? -7 : 10.5, 0.0031);
+  std::size_t components = 0;
+  for (const Attribute& a : read.attributes) components += a.name.starts_with("flow") && a.components == 1 ? 1 : 0;
+  EXPECT_EQ(components, 3u);
+  EXPECT_NE(io::system_remark(name, system.get()).find("WKT"), std::string::npos);
+  EXPECT_EQ(io::system_remark(folder / "a.laz", system.get()), "");
 }
 
 TEST(CopcOracle, ReadsWrittenOctrees) {

@@ -70,6 +70,33 @@ TEST(Lines, OfADrawingHaveTheirHeights) {
   expect_lines(read_lines(folder.put("other.DXF", other)), lines_in(read));
 }
 
+TEST(Lines, OfADrawingAreThoseOfItsModel) {
+  const Folder folder;
+  ReadReport report;
+  // A line of the paper space, a polyline whose plane faces down, a tilted one, and a drawing in inches.
+  std::string text =
+      dxf({"0 LINE",    "67 1",          "10 1",         "20 1",          "11 2",       "21 2",          "0 LWPOLYLINE",
+           "38 -7",     "230 -1",        "10 -512000",   "20 5403000.01", "10 -512004", "20 5403000.01", "0 LWPOLYLINE",
+           "210 1",     "230 0",         "10 1",         "20 1",          "10 2",       "20 2",          "0 LINE",
+           "10 512001", "20 5403000.02", "11 512002.03", "21 5403000"});
+  text.replace(text.find("  9\n$ACADVER"), 0, "  9\n$INSUNITS\n  70\n1\n");
+  const PolylineSet read = read_lines(folder.put("lines.dxf", text), &report);
+  expect_lines(
+      read, {{{512000, 5403000.01, 7}, {512004, 5403000.01, 7}}, {{512001, 5403000.02, 0}, {512002.03, 5403000, 0}}});
+  EXPECT_EQ(report.unread.size(), 2u);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("INSUNITS"), std::string::npos);
+}
+
+TEST(Lines, KeepTheirDigitsBesideADistantOne) {
+  const Folder folder;
+  const PolylineSet read = read_lines(folder.put(
+      "a.obj",
+      "v 0 0 0\nv 512000.01 5403000.02 1\nv 512001.03 5403000.04 2\nv 512002.01 5403000.03 2\nl 2 3 4\nl 1 2\n"));
+  const auto lines = lines_in(read);
+  EXPECT_LT(norm(lines[0][0] - Vec3{512000.01, 5403000.02, 1}), 1e-5);
+}
+
 TEST(Lines, OfDamagedDrawingsAreErrors) {
   const Folder folder;
   const std::string whole = dxf(kDrawing);
@@ -79,8 +106,9 @@ TEST(Lines, OfDamagedDrawingsAreErrors) {
     const std::string file = folder.put("cut.dxf", whole.substr(0, length));
     EXPECT_THROW(read_lines(file), FileError) << length;
   }
-  for (const std::string& groups : {std::string("0 LINE|10 east"), std::string("0 POLYLINE|70 0|0 LINE|10 1"),
-                                    std::string("zero LINE"), std::string("0 LINE|10 1e999")}) {
+  for (const std::string& groups :
+       {std::string("0 LINE|10 east"), std::string("0 POLYLINE|70 0|0 LINE|10 1"), std::string("zero LINE"),
+        std::string("0 LINE|10 1|20 2|30 3"), std::string("0 LINE|10 1|20 2|11 3"), std::string("0 LINE|10 1e999")}) {
     std::vector<std::string> all;
     for (std::size_t at = 0; at < groups.size();) {
       const std::size_t end = std::min(groups.find('|', at), groups.size());
@@ -100,6 +128,13 @@ TEST(Lines, OfAnObjReferToItsVertices) {
   EXPECT_EQ(read_lines(folder.put("b.obj", vertices)).size(), 0u);
   for (const char* bad : {"l 1 4\n", "l 1 x\n", "l 0 1\n"})
     EXPECT_THROW(read_lines(folder.put("c.obj", vertices + bad)), FileError) << bad;
+  // A mesh does not need its lines.
+  for (const char* bad : {"l 1 4\n", "l 1 x\n", "l 0 1\n"}) {
+    ReadReport report;
+    const PointSet mesh = read_points(folder.put("c.obj", vertices + "f 1 2 3\n" + bad), &report);
+    EXPECT_EQ(mesh.triangles.size(), 1u) << bad;
+    EXPECT_EQ(report.unread, std::vector<std::string>{"lines"}) << bad;
+  }
 }
 
 }  // namespace

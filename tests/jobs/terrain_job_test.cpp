@@ -84,6 +84,21 @@ TEST(Tiles, BelongToTheirLeftAndLowerBorder) {
   }
 }
 
+// Floats at 10 km are 0.98 mm apart: the last one before a border is before it.
+TEST(Tiles, HaveTheLastPositionBeforeABorder) {
+  PointSet points;
+  points.positions = {{std::nextafter(10000.0f, 0.0f), 5, 0}, {10000, 5, 0}};
+  const SplitResult made = tiles_of(points, 100);
+  EXPECT_EQ(made.places, (std::vector<std::string>{"9900_0", "10000_0"}));
+}
+
+TEST(Tiles, RefuseEqualNames) {
+  PointSet points;
+  points.origin = {0, 5403000, 0};
+  for (int k = 0; k < 9; ++k) points.positions.push_back({0, 3e-6f * static_cast<float>(k), 0});
+  EXPECT_THROW(tiles_of(points, 1e-6), DataError);
+}
+
 TEST(Tiles, RefuseBadOptions) {
   const PointSet points = survey();
   EXPECT_THROW(tiles_of(points, 0), ArgumentError);
@@ -130,6 +145,11 @@ TEST(Tiles, OfAHeightGridFitTogether) {
   EXPECT_NEAR(33 / chosen.cell, std::round(33 / chosen.cell), 1e-9);
   EXPECT_GE(chosen.cell, 2);
   EXPECT_THROW(make_height_grid(CloudOrMesh(points), {.cell = 3}, progress, {.tile_size = 100}), ArgumentError);
+  EXPECT_THROW(make_height_grid(CloudOrMesh(points), {.cell = 1}, progress, {.tile_size = 1e5}), ArgumentError);
+  EXPECT_THROW(make_height_grid(CloudOrMesh(points), {}, progress, {.tile_size = -5}), ArgumentError);
+  const HeightGrid grid = make_height_grid(CloudOrMesh(points), {.cell = 2}, progress).grid;
+  for (const double size : {0.0, -2.0, 33.0, 1e5, 6e9, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+    EXPECT_THROW(split_height_grid(grid, size), ArgumentError) << size;
 }
 
 // A single run equals the run with neighbours: tiles of a survey have no seam.

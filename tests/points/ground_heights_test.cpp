@@ -208,7 +208,8 @@ TEST(GroundHeights, DenseBreaklinesCountAsSparseOnes) {
   const PointSet points = samples_of(flat);
   const Vec3 a{40.2, 5, 0.62}, b{40.2, 75, 0.62};
   const PolylineSet sparse = line_of({a, b}), dense = dense_line(a, b, 0.01);
-  const HeightErrors of_sparse = errors_near(heights_of(points, &sparse), flat, [](double x, double) { return x - 40; }),
+  const HeightErrors of_sparse =
+                         errors_near(heights_of(points, &sparse), flat, [](double x, double) { return x - 40; }),
                      of_dense = errors_near(heights_of(points, &dense), flat, [](double x, double) { return x - 40; });
   EXPECT_LT(of_dense.rms, 1.2 * of_sparse.rms);
   EXPECT_LT(of_dense.largest, 0.12);
@@ -221,7 +222,8 @@ TEST(GroundHeights, DenseBreaklinesCountAsSparseOnes) {
 
 TEST(GroundHeights, RefuseBreaklinesWithoutBound) {
   PolylineSet lines = line_of({{0, 0, 1}});
-  for (int k = 0; k < 60'000; ++k) lines.positions.push_back({k % 2 == 0 ? 80.0f : 0.0f, 0.001f * static_cast<float>(k), 1});
+  for (int k = 0; k < 60'000; ++k)
+    lines.positions.push_back({k % 2 == 0 ? 80.0f : 0.0f, 0.001f * static_cast<float>(k), 1});
   lines.offsets = {0, lines.positions.size()};
   EXPECT_THROW(heights_of(samples_of([](double, double) { return 1.0; }), &lines), DataError);
 }

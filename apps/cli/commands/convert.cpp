@@ -3,10 +3,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cli/input/cloud_input.h"
@@ -15,6 +18,7 @@
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "cli/report/mesh_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -54,13 +58,32 @@ constexpr ReportRow kConvertedFile[] = {
 constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
 const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
 
+bool moves(const ConvertStep& step) {
+  return std::visit(
+      []<class S>(const S&) {
+        return std::is_same_v<S, TransformStep> || std::is_same_v<S, TranslateStep> || std::is_same_v<S, CenterStep> ||
+               std::is_same_v<S, RotateStep> || std::is_same_v<S, ScaleStep> || std::is_same_v<S, AxesStep> ||
+               std::is_same_v<S, UpStep> || std::is_same_v<S, UnitStep>;
+      },
+      step);
+}
+
+std::string option_of(const ConvertStep& step) {
+  std::string name(step_name(step));
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
 void check_convert(const ConvertArguments& a) {
   a.options.validate();
   a.parts.validate();
-  a.heights.check(a.output);
+  a.heights.check(a.output, a.input.files);
   if (a.writes_heights()) {
     require(!a.split && !a.ascii && !a.parts.split_distance && a.parts.min_size == 0,
             "--split, --split-distance, --min-size and --ascii are for points and meshes, not for a height grid");
+    for (const ConvertStep& step : a.options.steps)
+      if (!a.heights.breaklines.empty() && moves(step))
+        throw ArgumentError("--breaklines have the coordinates of the input, which --" + option_of(step) + " changes");
     return;
   }
   require(!a.split || !a.parts.tile_size, "--split makes connected parts, --tile-size makes tiles: give one of them");

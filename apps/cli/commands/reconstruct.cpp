@@ -59,7 +59,7 @@ std::vector<std::string> write_result(const ReconstructArguments& a, const Recon
 
 void check_reconstruct(const ReconstructArguments& a) {
   a.options.validate();
-  a.heights.check(a.output.file);
+  a.heights.check(a.output.file, a.input.files);
   if (!a.writes_heights()) return a.output.check();
   a.output.check_preview();
   require(!a.output.ascii, "--ascii is for meshes, not for a height grid");

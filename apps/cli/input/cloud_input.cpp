@@ -107,8 +107,9 @@ void add_selection_options(CommandLine& c, CloudInput& input, const std::string&
        "Drop points" + of + " of these classes: noise")
       .type_name("CLASSES")
       .group("Input");
-  add_schema(c, input.part,
-             {.group = "Input", .before = [of](std::string_view) { return of.empty() ? of : of.substr(1) + ": "; }});
+  add_schema(c, input.part, {.group = "Input", .before = [of](std::string_view) {
+                               return of.empty() ? of : "For points" + of + ": ";
+                             }});
 }
 
 }  // namespace sansmesh::cli

@@ -12,6 +12,7 @@
 #include "cli/report/mesh_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/jobs/frame_names.h"
 
@@ -23,13 +24,21 @@ const ReportSchema& WrittenHeights::schema() {
   return report_schema<rows>();
 }
 
-void HeightOutput::check(const std::string& output) const {
+bool HeightOutput::is_grid(const std::string& file) {
+  const std::string name = io::lower(file);
+  return name.ends_with(".tif") || name.ends_with(".tiff");
+}
+
+void HeightOutput::check(const std::string& output, const std::vector<std::string>& inputs) const {
   options.validate();
   if (!is_grid(output)) {
     require(breaklines.empty() && contours.empty() && hillshade.empty() && options_set(options).empty(),
-            "options of a height grid need one: -o FILE.tif");
+            "--cell, --gap, --interval, --breaklines, --contours and --hillshade need a height grid: -o FILE.tif");
     return;
   }
+  std::vector<std::string> all = io::list_cloud_files(inputs);
+  all.push_back(breaklines);
+  check_inputs_stay(all, {output, contours, hillshade});
   check_writable(output, "text");
   if (!contours.empty()) check_contours_writable(contours);
   if (!hillshade.empty()) check_writable(hillshade, "image");
@@ -114,9 +123,17 @@ std::vector<std::string> names_of_parts(const std::string& output, std::size_t p
   for (std::size_t k = 0; k < parts; ++k)
     names[k] = places.empty() ? part_name(output, k + 1, parts) : place_name(output, places[k]);
   check_inputs_stay(io::list_cloud_files(inputs), names);
+  if (!places.empty()) {
+    const std::vector<std::string> others = other_places(output, names);
+    if (!others.empty())
+      console.warn(others[0], {(others.size() > 1 ? "and " + counted(others.size() - 1, "other file") + " are tiles"
+                                                  : std::string("is a tile")) +
+                               " of another run: read with the new ones, samples count twice"});
+    return names;
+  }
   std::error_code none;
   const std::string beyond = part_name(output, parts + 1, parts);
-  if (places.empty() && std::filesystem::exists(beyond, none))
+  if (std::filesystem::exists(beyond, none))
     console.warn(beyond, {"is not one of the " + counted(parts, "part") + ", and existed before"});
   return names;
 }

@@ -27,9 +27,10 @@ struct HeightOutput {
   std::string breaklines;           ///< file of lines to read; empty: none
   std::string contours, hillshade;  ///< files beside the grid
 
-  static bool is_grid(const std::string& file) { return file.ends_with(".tif") || file.ends_with(".tiff"); }
+  static bool is_grid(const std::string& file);
   /// Throws ArgumentError for bad options, and for any without a grid; FileError early if files cannot be written.
-  void check(const std::string& output) const;
+  /// FileError also if an input or the breaklines would be overwritten.
+  void check(const std::string& output, const std::vector<std::string>& inputs) const;
   /// The breaklines and the size of tiles. Throws FileError if there are no lines.
   HeightGridUse use(std::optional<double> tile_size, Console& console) const;
   /// Writes the grid, in tiles if a size is given, and reports it. Appends lines to the summary. Throws FileError.

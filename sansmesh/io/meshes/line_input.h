@@ -1,19 +1,26 @@
 // Lines of files as polylines about an origin.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
+#include <vector>
 
-#include "sansmesh/box.h"
 #include "sansmesh/polyline_set.h"
 
 namespace sansmesh::inline v1::io {
 
-/// Stores positions (world, double) about the centre of their box.
+/// Stores positions (world, double) about their medians: single positions far away (a title block) cost no digits.
 inline void place_lines(PolylineSet& lines, std::span<const Vec3> positions) {
-  Box3 box;
-  for (const Vec3& p : positions)
-    if (is_finite(p)) box.extend(p);
-  if (!box.empty()) lines.origin = Vec3(Vec3f(box.center()));
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> along;
+    for (const Vec3& p : positions)
+      if (is_finite(p)) along.push_back(p[k]);
+    if (along.empty()) break;
+    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
+    std::nth_element(along.begin(), middle, along.end());
+    lines.origin[k] = static_cast<double>(static_cast<float>(*middle));
+  }
   lines.positions.clear();
   lines.positions.reserve(positions.size());
   for (const Vec3& p : positions) lines.positions.push_back(Vec3f(p - lines.origin));

@@ -40,20 +40,22 @@ const Attribute* whole_attribute(const AttributeTable& table, const char* name, 
 
 constexpr double kAngleStep = 0.006;  // degrees, of formats from 6 on
 
-/// Angles must be exactly representable: whole degrees in the older formats, multiples of the step in the others.
-const Attribute* angle_attribute(const AttributeTable& table, bool wide) {
+/// Angles must be exactly representable: whole degrees in the older formats, multiples of the step in the others. Other
+/// programs read the field, not extra bytes: octrees, which have no older format, round angles.
+const Attribute* angle_attribute(const AttributeTable& table, bool wide, bool rounded) {
   const Attribute* const a = table.find("scan_angle");
   if (!a || a->components != 1) return nullptr;
   for (std::size_t i = 0; i < a->size(); ++i) {
     const double v = a->number(i), steps = std::round(v / kAngleStep);
-    const bool fits = wide ? std::abs(steps) <= 30000 && static_cast<float>(kAngleStep * steps) == static_cast<float>(v)
-                           : v == std::round(v) && v >= -128 && v <= 127;
+    const bool fits =
+        wide ? std::abs(steps) <= 30000 && (rounded || static_cast<float>(kAngleStep * steps) == static_cast<float>(v))
+             : v == std::round(v) && v >= -128 && v <= 127;
     if (!fits) return nullptr;
   }
   return a;
 }
 
-LasFields las_fields(const AttributeTable& table, bool wide) {
+LasFields las_fields(const AttributeTable& table, bool wide, bool octree = false) {
   const auto whole = [&](const char* name, double most) { return whole_attribute(table, name, most); };
   const Attribute* const time = table.find("gps_time");
   return {.intensity = whole("intensity", 65535),
@@ -62,7 +64,7 @@ LasFields las_fields(const AttributeTable& table, bool wide) {
           .classification = whole("classification", wide ? 255 : 31),
           .synthetic = whole("synthetic", 1),
           .overlap = wide ? whole("overlap", 1) : nullptr,
-          .scan_angle = angle_attribute(table, wide),
+          .scan_angle = angle_attribute(table, wide, octree),
           .source = whole("point_source_id", 65535),
           .user_data = whole("user_data", 255),
           .time = time && time->components == 1 && time->type() == NumberType::f64 ? time : nullptr,
@@ -77,19 +79,19 @@ bool older_do(const AttributeTable& table) {
   return true;
 }
 
-/// One to three numbers after those of the point format.
+/// Numbers after those of the point format: one to three, one in octrees, since programs that read these know no more.
 struct ExtraBytes {
   const Attribute* attribute;
   std::size_t first, components;
   std::string name;
 };
 
-std::vector<ExtraBytes> extra_bytes(const AttributeTable& table, const LasFields& fields) {
+std::vector<ExtraBytes> extra_bytes(const AttributeTable& table, const LasFields& fields, std::size_t most) {
   std::vector<ExtraBytes> extras;
   const auto placed = fields.all();
   for (const Attribute& a : table) {
     if (std::find(placed.begin(), placed.end(), &a) != placed.end()) continue;
-    if (a.components <= 3) {
+    if (a.components <= most) {
       extras.push_back({&a, 0, a.components, a.name});
       continue;
     }
@@ -203,8 +205,8 @@ struct LasLayout {
 LasLayout las_layout(const PointSet& points, bool octree = false) {
   LasLayout l;
   l.wide = octree || !older_do(points.attributes), l.colors = points.has_colors();
-  l.fields = las_fields(points.attributes, l.wide);
-  l.extras = extra_bytes(points.attributes, l.fields);
+  l.fields = las_fields(points.attributes, l.wide, octree);
+  l.extras = extra_bytes(points.attributes, l.fields, octree ? 1 : 3);
   const unsigned colors = l.colors ? 2 : 0;
   l.format = l.wide ? (l.fields.infrared ? 8 : l.colors ? 7 : 6) : (l.fields.time ? 1u : 0u) + colors;
   l.record = kLasRecordBytes[l.format];

@@ -89,7 +89,8 @@ class PieceCutter {
     const double length = (to - from) * std::hypot(step.x, step.y);
     const double count = std::max(1.0, std::ceil(length / edge_));
     if (!(static_cast<double>(pieces_.size()) + count <= kMostPieces))
-      throw DataError(fmt::format("the breaklines are too long: more than {:.0f} spacings of the samples", kMostPieces));
+      throw DataError(
+          fmt::format("the breaklines are too long: more than {:.0f} spacings of the samples", kMostPieces));
     for (double i = 0; i < count; ++i) {
       const auto place = [&](double share) { return a + step * (from + (to - from) * share); };
       const Vec3 b = place(i / count), c = place((i + 1) / count);

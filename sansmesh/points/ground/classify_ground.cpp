@@ -48,6 +48,14 @@ bool may_have_ground(const PointSet& points) {
   return is_survey_from_above(points) || is_height_field(measure_height_field(points, estimate_noise(points)), true);
 }
 
+/// Converts heights to the unit of x and y. False for degrees, which have no length.
+bool to_one_unit(std::vector<Vec3f>& positions, const ReferenceSystem* system) {
+  if (!system) return true;
+  if (system->metres > 0 && system->vertical_metres > 0)
+    for (Vec3f& p : positions) p.z *= static_cast<float>(system->vertical_metres / system->metres);
+  return system->unit != "degree";
+}
+
 /// Number of samples that show whether there is much above the ground, and the least share of these.
 constexpr std::size_t kJudgedSamples = 20000;
 constexpr double kMuchAbove = 0.1;
@@ -80,12 +88,8 @@ GroundClassification classify_ground(PointSet& points, Progress& progress) {
     rows.push_back(static_cast<std::uint32_t>(i));
     judged.positions.push_back(points.positions[i]);
   }
-  if (const ReferenceSystem* const system = points.reference.get()) {
-    if (system->unit == "degree")
-      throw DataError("its coordinates are degrees: the ground is found in coordinates of one unit of length");
-    if (system->metres > 0 && system->vertical_metres > 0)
-      for (Vec3f& p : judged.positions) p.z *= static_cast<float>(system->vertical_metres / system->metres);
-  }
+  if (!to_one_unit(judged.positions, points.reference.get()))
+    throw DataError("its coordinates are degrees: the ground is found in coordinates of one unit of length");
   const GroundSamples found = find_ground(judged, progress);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::uint8_t& c = classes[rows[k]];
@@ -106,6 +110,10 @@ std::vector<Note> select_classes(PointSet& points, const PointClasses& classes, 
                      .text = "no point is classified: the ground was found by its shape: " + made.words(),
                      .severity = Note::Severity::information});
   }
+  if (classes[kGround] && classes.count() == 1 && !find_point_classes(points))
+    throw DataError(
+        "is no terrain from above, in which the ground could be found, and its points have no class by which "
+        "`class` could choose");
   keep_classes(points, classes);
   return notes;
 }
@@ -115,6 +123,7 @@ std::vector<Note> suggest_ground(const PointSet& points) {
   PointSet some;
   const std::size_t step = 1 + points.size() / kJudgedSamples;
   for (std::size_t i = 0; i < points.size(); i += step) some.positions.push_back(points.positions[i]);
+  if (!to_one_unit(some.positions, points.reference.get())) return {};
   // Return numbers do not tell: scans from the ground have them, too.
   if (!is_height_field(measure_height_field(some, 0), false)) return {};
   Progress silent;

@@ -139,8 +139,8 @@ class HeightFinder {
     for (std::size_t l = 0; l < bins_.levels.size(); ++l) {
       gather(x, y, l, lines);
       if (is_surrounded(l))
-        return bounded(
-            l == 0 ? planes_.height(values_, least_) : fit_local_plane(values_, bins_.edge, scratch_).height, l);
+        return bounded(l == 0 ? planes_.height(values_, least_) : fit_local_plane(values_, bins_.edge, scratch_).height,
+                       l);
       // In a corner between lines, more distant means are those of the other side.
       if (l == 0 && !pieces_.empty() && seen_ >= kFewestForPlane && is_surrounded(l, kFewestForPlane))
         return height_of_few(x, y);
@@ -203,7 +203,8 @@ class HeightFinder {
     if (lines) {
       for_each_bin(kBinReach + 1, [&](auto c, auto r) { lines->append_pieces(l, c, r, pieces_); });
       // A piece is at most an edge long.
-      std::erase_if(pieces_, [&](const Breaklines::Piece& p) { return std::hypot(p.x() - x, p.y() - y) > reach + edge / 2; });
+      std::erase_if(pieces_,
+                    [&](const Breaklines::Piece& p) { return std::hypot(p.x() - x, p.y() - y) > reach + edge / 2; });
     }
     for_each_bin(kBinReach, [&](std::ptrdiff_t c, std::ptrdiff_t r) {
       const auto bin = static_cast<std::size_t>(r * level.columns + c);

@@ -73,7 +73,8 @@ double SidedPlanes::height(std::span<const PlaneValue> values, double least) {
     height = std::clamp(plane.height, low->z - best, high->z + best);
   }
   // No height may hang on which side of a limit a deviation is.
-  const double stepped = std::min(1.0, deviation / least - 1), better = std::min(1.0, kClearlyBetter * (1 - best / limit));
+  const double stepped = std::min(1.0, deviation / least - 1),
+               better = std::min(1.0, kClearlyBetter * (1 - best / limit));
   return all.height + stepped * better * (height - all.height);
 }
 
