@@ -54,8 +54,6 @@ struct VolumeReconstructionReport {
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
   double noise = 0;        ///< deviation of the noise found (unit of the array; largest component); 0 without noise
-  double least_noise = 0;  ///< where the noise varies: deviation in its quietest part
-  double most_noise = 0;   ///< where the noise varies: deviation in its loudest part
   std::size_t bytes = 0;   ///< approximate memory of the field with its samples and cells
 };
 

@@ -253,8 +253,6 @@ struct SANSMESH_API SmoothedArray {
   std::string name;        ///< name of the array
   double smoothing = 0;    ///< factor of the noise; 0: no noise was found, and the values are unchanged
   double noise = 0;        ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
-  double least_noise = 0;  ///< the same in the quietest part
-  double most_noise = 0;   ///< the same in the loudest part
 
   static const ReportSchema& schema();  ///< report rows
 };

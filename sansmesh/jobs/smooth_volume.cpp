@@ -100,7 +100,7 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
       smooth.deviations.resize(samples->size() * components, 0.0f);
       result->attributes.set(name + "_deviation", std::move(smooth.deviations), components);
     }
-    smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise, smooth.least_noise, smooth.most_noise});
+    smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise});
   }
   if (!changed)
     smoothed.notes.push_back({.code = "no_noise",
@@ -130,10 +130,7 @@ std::vector<std::string> summary_of(const SmoothVolumeReport& report) {
   std::vector<std::string> lines;
   for (const SmoothedArray& a : report.arrays)
     lines.push_back(a.smoothing > 0
-                        ? fmt::format("{}: noise of {:.3g}{}{}", printable(a.name, 60), a.noise,
-                                      a.most_noise > a.least_noise
-                                          ? fmt::format(" ({:.3g} to {:.3g})", a.least_noise, a.most_noise)
-                                          : "",
+                        ? fmt::format("{}: noise of {:.3g}{}", printable(a.name, 60), a.noise,
                                       a.smoothing == 1 ? "" : fmt::format(", smoothed by {:g} times that", a.smoothing))
                         : fmt::format("{}: no noise found, unchanged", printable(a.name, 60)));
   return lines;
@@ -151,9 +148,7 @@ const ReportSchema& SmoothedArray::schema() {
   static constexpr ReportRow rows[] = {
       reported<&SmoothedArray::name>({.text = "Array"}),
       reported<&SmoothedArray::smoothing>({.text = "Factor of the noise; 0: unchanged"}),
-      reported<&SmoothedArray::noise>({.text = "Deviation of the noise, 0 if none is found", .unit = "value"}),
-      reported<&SmoothedArray::least_noise>({.text = "The same in the quietest part", .unit = "value"}),
-      reported<&SmoothedArray::most_noise>({.text = "The same in the loudest part", .unit = "value"})};
+      reported<&SmoothedArray::noise>({.text = "Deviation of the noise, 0 if none is found", .unit = "value"})};
   return report_schema<rows>();
 }
 

@@ -8,6 +8,12 @@
 #include "sansmesh/volume/samples/star_metric.h"
 
 namespace sansmesh::inline v1 {
+namespace {
+
+/// Samples that are smoothed without being asked to: more take minutes.
+constexpr std::size_t kMostUnasked = 4'000'000;
+
+}  // namespace
 
 SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values, std::optional<double> factor,
                                Progress& progress) {
@@ -18,11 +24,12 @@ SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values,
   const VolumeValues scaled = scaled_values(result.values, scales);
   const std::vector<StarMetric> metrics = volume.lattice ? std::vector<StarMetric>() : star_metrics(volume);
   const SampleNoise noise = estimate_noise(volume, scaled, metrics, progress);
-  result.smoothing = factor.value_or(noise.found ? 1 : 0);
-  if (result.smoothing == 0) return result;
+  result.too_many = !factor && noise.found && volume.size() > kMostUnasked;
+  result.smoothing = factor.value_or(noise.found && !result.too_many ? 1 : 0);
+  if (result.smoothing == 0 && !result.too_many) return result;
   const double unit = scales.empty() ? 1 : 1 / scales[0];
-  const auto most = [&](const std::vector<double>& of) { return unit * *std::max_element(of.begin(), of.end()); };
-  result.noise = most(noise.typical), result.least_noise = most(noise.least), result.most_noise = most(noise.most);
+  result.noise = unit * *std::max_element(noise.typical.begin(), noise.typical.end());
+  if (result.too_many) return result;
   SmoothedSamples smooth = smooth_samples(volume, scaled, metrics, noise, result.smoothing, progress);
   if (!scales.empty())
     for (double& v : smooth.values) v *= unit;

@@ -14,13 +14,12 @@ struct SmoothedValues {
   VolumeValues values;
   std::vector<float> deviations;  ///< remaining deviation of each number (unit of the array); empty if unchanged
   double smoothing = 0;           ///< factor of the noise; 0: the values are unchanged to the bit
-  double noise = 0;               ///< deviation of the noise (of the component with most); 0 if unchanged
-  double least_noise = 0;         ///< the same in the quietest part
-  double most_noise = 0;          ///< the same in the loudest part
+  double noise = 0;               ///< deviation of the noise (of the component with most); 0 if none was found
+  bool too_many = false;          ///< noise was found in more samples than are smoothed unasked
 };
 
-/// `factor` as `smoothing` of VolumeReconstructionOptions: without it 1 if estimate_noise finds noise, otherwise 0. A
-/// factor above 0 smooths by the estimated bound even if it may not be noise. Values may have any magnitude.
+/// `factor` as `smoothing` of VolumeReconstructionOptions: without it 1 if estimate_noise finds noise in at most four million
+/// samples, otherwise 0. A factor above 0 smooths by the estimated bound even if it may not be noise. Values may have any magnitude.
 SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values, std::optional<double> factor,
                                Progress& progress);
 

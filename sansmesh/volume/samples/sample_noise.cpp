@@ -187,7 +187,6 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
       sum += 2 * a * b / square, ++count;
     }
   }
-  noise.least = noise.most = noise.typical;
   if (count < kFewest) return noise;
   noise.correlation = sum / static_cast<double>(count);
   const double spread = kSpreadOfPair / std::sqrt(static_cast<double>(count));

@@ -14,10 +14,9 @@ namespace sansmesh::inline v1 {
 
 /// Standard deviations (unit of the array).
 struct SampleNoise {
-  bool found = false;               ///< whether the residuals are those of noise; otherwise all deviations are bounds
-  std::vector<double> typical;      ///< per component: of the volume as a whole
-  std::vector<double> least, most;  ///< per component: where the noise varies, its tenth least and largest parts
-  double correlation = 0;           ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
+  bool found = false;           ///< whether the residuals are those of noise; otherwise all deviations are bounds
+  std::vector<double> typical;  ///< per component, of the volume as a whole
+  double correlation = 0;       ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
   /// Deviation of each component of each sample; empty if it is the same everywhere.
   std::vector<float> local;
 
