@@ -45,7 +45,7 @@ void simplify(std::vector<Vec3>& line, double edge) {
     line.resize(std::min(line.size(), count));
   };
   keep([&](const Vec3& last, std::size_t k) { return !(apart(last, line[k]) < kLeastPiece * edge); });
-  std::size_t first = 1;  // of the vertices since the last kept one
+  std::size_t first = 1;  // vertex after the last kept one
   keep([&](const Vec3& last, std::size_t k) {
     const Vec3 step = line[k + 1] - last;
     const double length = std::hypot(step.x, step.y);
