@@ -212,7 +212,7 @@ TEST(GroundHeights, DenseBreaklinesCountAsSparseOnes) {
                          errors_near(heights_of(points, &sparse), flat, [](double x, double) { return x - 40; }),
                      of_dense = errors_near(heights_of(points, &dense), flat, [](double x, double) { return x - 40; });
   EXPECT_LT(of_dense.rms, 1.2 * of_sparse.rms);
-  EXPECT_LT(of_dense.largest, 0.12);
+  EXPECT_LT(of_dense.largest, 1.1 * of_sparse.largest);
   // Neither does a second copy count.
   PolylineSet twice = sparse;
   twice.positions.insert(twice.positions.end(), sparse.positions.begin(), sparse.positions.end());
@@ -228,15 +228,20 @@ TEST(GroundHeights, RefuseBreaklinesWithoutBound) {
   EXPECT_THROW(heights_of(samples_of([](double, double) { return 1.0; }), &lines), DataError);
 }
 
-// Planes of a border may not continue a cliff.
+// A wall of samples 0.2 wide rises by 25 per unit: a plane through it would be far above it half a cell away.
 TEST(GroundHeights, StayNearTheSamples) {
-  const Terrain cliff = [](double x, double) { return x > 77.5 ? 50 * (x - 77.5) : 0.0; };
-  const PointSet points = samples_of(cliff, [](double x, double) { return x > 78.5; });
-  const HeightGrid grid = heights_of(points);
-  float highest = 0, of_samples = 0;
-  for (const float h : grid.heights.pixels) highest = std::isnan(h) ? highest : std::max(highest, h);
-  for (const Vec3f& p : points.positions) of_samples = std::max(of_samples, p.z);
-  EXPECT_LT(static_cast<double>(highest) - kOrigin.z, static_cast<double>(of_samples) * 1.4);
+  PointSet points;
+  for (int k = 0; k < 80; ++k)
+    points.positions.push_back({k % 2 == 0 ? 0.0f : 0.2f, 0.25f * static_cast<float>(k), k % 2 == 0 ? 0.0f : 5.0f});
+  Progress progress;
+  const HeightGrid grid = make_ground_heights(points, {.cell = 1, .spacing = 1, .gap = 40}, progress).grid;
+  std::size_t known = 0;
+  for (const float h : grid.heights.pixels) {
+    if (std::isnan(h)) continue;
+    ++known;
+    EXPECT_LT(h, 6);
+  }
+  EXPECT_GT(known, 10u);
 }
 
 TEST(GroundHeights, DistantBreaklinesChangeNothing) {
