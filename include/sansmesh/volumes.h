@@ -250,9 +250,9 @@ struct SANSMESH_API SmoothVolumeOptions {
 
 /// Noise of one array.
 struct SANSMESH_API SmoothedArray {
-  std::string name;        ///< name of the array
-  double smoothing = 0;    ///< factor of the noise; 0: no noise was found, and the values are unchanged
-  double noise = 0;        ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
+  std::string name;      ///< name of the array
+  double smoothing = 0;  ///< factor of the noise; 0: no noise was found, and the values are unchanged
+  double noise = 0;      ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -125,8 +125,9 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   r.options.smoothing = smooth.smoothing;
   r.noise = smooth.noise;
   if (smooth.too_many)
-    r.notes.push_back(fmt::format("noise of {:.3g} was found, but {} samples take minutes to smooth (`smoothing` 1 does)",
-                                  smooth.noise, volume->size()));
+    r.notes.push_back(
+        fmt::format("noise of {:.3g} was found, but {} samples take minutes to smooth (`smoothing` 1 does)",
+                    smooth.noise, volume->size()));
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);

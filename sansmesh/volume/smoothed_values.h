@@ -18,8 +18,9 @@ struct SmoothedValues {
   bool too_many = false;          ///< noise was found in more samples than are smoothed unasked
 };
 
-/// `factor` as `smoothing` of VolumeReconstructionOptions: without it 1 if estimate_noise finds noise in at most four million
-/// samples, otherwise 0. A factor above 0 smooths by the estimated bound even if it may not be noise. Values may have any magnitude.
+/// `factor` as `smoothing` of VolumeReconstructionOptions: without it 1 if estimate_noise finds noise in at most four
+/// million samples, otherwise 0. A factor above 0 smooths by the estimated bound even if it may not be noise. Values
+/// may have any magnitude.
 SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values, std::optional<double> factor,
                                Progress& progress);
 

@@ -15,12 +15,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPairs = 8000;                         // examined pairs of neighbours
+constexpr std::size_t kRows = 5000;                          // examined rows of neighbours
 constexpr std::size_t kParabolaNeighbours = 56;              // parabolas have that many
-constexpr std::size_t kFewest = 40;                          // pairs below which nothing can be said
+constexpr std::size_t kFewest = 40;                          // pairs of samples below which nothing can be said
 constexpr double kMostPredicted = 3;                         // variance of a prediction, in variances of a sample
 constexpr double kNoiseTails = 2.5, kWithoutTails = 0.9113;  // variance of a normal deviate without its tails
-constexpr double kLikeNoise = 0.05, kAlternating = -0.5, kSpreadOfPair = 0.6;
+constexpr double kLikeNoise = 0.05, kAlternating = -0.35, kWave = 0.3, kSpreadOfPair = 0.6;
+constexpr std::size_t kInRow = 3;         // samples of a row: two neighbours, and the next behind them
 constexpr double kQuanta = 0.6;           // noise below is rounding to integers
 constexpr double kRoundedToFloat = 2e-6;  // relative to the largest value: rounding to floats
 
@@ -108,18 +109,28 @@ double main_range(std::vector<double> values) {
   return nth_smallest(values, last - last / 100) - lower;
 }
 
-/// LeftOutResiduals of pairs of neighbours, in the order of samples.
-struct Pairs {
+/// LeftOutResiduals of rows of three samples, in the order of samples.
+struct Rows {
   std::size_t components = 1;
-  std::vector<std::uint32_t> sample;         ///< two per pair
+  std::vector<std::uint32_t> sample;         ///< kInRow per row
   std::vector<double> residual, prediction;  ///< all components of each
 };
 
-Pairs look_at_pairs(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
-                    Progress& progress) {
-  const std::size_t n = volume.size(), c = values.components, count = std::min(n, kPairs);
-  std::vector<std::array<std::uint32_t, 2>> chosen(count);
-  std::vector<double> residual(count * 2 * c), prediction(count * 2 * c);
+/// The neighbour of `middle` that is nearest to the continuation of the way from `first`.
+std::uint32_t behind(const SampledVolume& volume, std::uint32_t first, std::uint32_t middle,
+                     std::vector<std::uint32_t>& star) {
+  const Vec3 at = volume.position(middle) + (volume.position(middle) - volume.position(first));
+  volume.star(middle, star);
+  return *std::min_element(star.begin(), star.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return squared_norm(volume.position(a) - at) < squared_norm(volume.position(b) - at);
+  });
+}
+
+Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
+                  Progress& progress) {
+  const std::size_t n = volume.size(), c = values.components, count = std::min(n, kRows), width = kInRow * c;
+  std::vector<std::array<std::uint32_t, kInRow>> chosen(count);
+  std::vector<double> residual(count * width), prediction(count * width);
   std::vector<std::uint8_t> known(count, 0);
   progress.begin("look at noise", count);
   parallel_ranges(0, count, 64, [&](std::size_t begin, std::size_t end) {
@@ -133,29 +144,53 @@ Pairs look_at_pairs(const SampledVolume& volume, const VolumeValues& values, std
                                                    static_cast<double>(count))));
       volume.star(i, star);
       if (star.empty()) continue;
-      chosen[k] = {i, star[k % star.size()]};
-      known[k] = residuals.of(chosen[k][0], &residual[2 * k * c], &prediction[2 * k * c]) &&
-                 residuals.of(chosen[k][1], &residual[(2 * k + 1) * c], &prediction[(2 * k + 1) * c]);
+      const std::uint32_t next = star[k % star.size()];
+      chosen[k] = {i, next, behind(volume, i, next, star)};
+      if (chosen[k][2] == i) continue;
+      known[k] = 1;
+      for (std::size_t s = 0; s < kInRow && known[k]; ++s)
+        known[k] = residuals.of(chosen[k][s], &residual[k * width + s * c], &prediction[k * width + s * c]);
     }
     progress.advance(end - begin);
   });
-  Pairs pairs;
-  pairs.components = c;
+  Rows rows;
+  rows.components = c;
   for (std::size_t k = 0; k < count; ++k) {
     if (!known[k]) continue;
-    pairs.sample.insert(pairs.sample.end(), chosen[k].begin(), chosen[k].end());
-    const auto from = static_cast<std::ptrdiff_t>(2 * k * c), to = static_cast<std::ptrdiff_t>(2 * (k + 1) * c);
-    pairs.residual.insert(pairs.residual.end(), residual.begin() + from, residual.begin() + to);
-    pairs.prediction.insert(pairs.prediction.end(), prediction.begin() + from, prediction.begin() + to);
+    rows.sample.insert(rows.sample.end(), chosen[k].begin(), chosen[k].end());
+    const auto from = static_cast<std::ptrdiff_t>(k * width), to = static_cast<std::ptrdiff_t>((k + 1) * width);
+    rows.residual.insert(rows.residual.end(), residual.begin() + from, residual.begin() + to);
+    rows.prediction.insert(rows.prediction.end(), prediction.begin() + from, prediction.begin() + to);
   }
-  return pairs;
+  return rows;
 }
 
+/// Mean of 2ab / (a² + b²) over residuals that differ from rounding and are no tails.
+class SignCorrelation {
+ public:
+  void add(double a, double b, double deviation, double rounding) {
+    const double square = a * a + b * b;
+    if (!(square <= 2 * (kNoiseTails * deviation) * (kNoiseTails * deviation))) return;
+    if (std::max(std::abs(a), std::abs(b)) <= rounding) return;
+    sum_ += 2 * a * b / square, ++count_;
+  }
+  bool known() const { return count_ >= kFewest; }
+  double mean() const { return sum_ / static_cast<double>(count_); }
+  /// Whether independent residuals may have this correlation. Those of a fit without the sample are slightly opposite.
+  bool like_noise() const {
+    return mean() + kSpreadOfPair / std::sqrt(static_cast<double>(count_)) <= kLikeNoise && mean() >= kAlternating;
+  }
+
+ private:
+  double sum_ = 0;
+  std::size_t count_ = 0;
+};
+
 /// Magnitudes of the residuals of a component without those of constant parts (masked, or outside the body).
-std::vector<double> magnitudes_of(const Pairs& pairs, std::size_t m, double rounding) {
+std::vector<double> magnitudes_of(const Rows& rows, std::size_t m, double rounding) {
   std::vector<double> result;
-  for (std::size_t i = m; i < pairs.residual.size(); i += pairs.components)
-    if (const double r = std::abs(pairs.residual[i]); r > rounding) result.push_back(r);
+  for (std::size_t i = m; i < rows.residual.size(); i += rows.components)
+    if (const double r = std::abs(rows.residual[i]); r > rounding) result.push_back(r);
   return result;
 }
 
@@ -164,33 +199,31 @@ std::vector<double> magnitudes_of(const Pairs& pairs, std::size_t m, double roun
 SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
                            Progress& progress) {
   const std::size_t c = values.components;
-  const Pairs pairs = look_at_pairs(volume, values, metrics, progress);
+  const Rows rows = look_at_rows(volume, values, metrics, progress);
   const double rounding = kRoundedToFloat * largest_value(values);
   SampleNoise noise;
   noise.typical.assign(c, 0.0);
-  double sum = 0;
-  std::size_t count = 0;
+  SignCorrelation next, beyond;  // of neighbours, and of samples two steps apart
   bool above = false;
   for (std::size_t m = 0; m < c; ++m) {
-    std::vector<double> magnitudes = magnitudes_of(pairs, m, rounding);
+    std::vector<double> magnitudes = magnitudes_of(rows, m, rounding);
     if (magnitudes.size() < 2 * kFewest) continue;
     const double s = deviation_of(std::move(magnitudes));
     noise.typical[m] = s;
     std::vector<double> own;
-    for (const std::uint32_t i : pairs.sample) own.push_back(values.values[i * c + m]);
+    for (const std::uint32_t i : rows.sample) own.push_back(values.values[i * c + m]);
     const double least = volume.in_cells && !volume.lattice ? kOfShapes * main_range(own) : 0;
     above = above || s > std::max(least, kQuanta * quantum_of(std::move(own)));
-    for (std::size_t k = m; k < pairs.residual.size(); k += 2 * c) {
-      const double a = pairs.residual[k], b = pairs.residual[k + c], square = a * a + b * b;
-      if (!(square <= 2 * (kNoiseTails * s) * (kNoiseTails * s)) || std::max(std::abs(a), std::abs(b)) <= rounding)
-        continue;
-      sum += 2 * a * b / square, ++count;
+    for (std::size_t k = m; k < rows.residual.size(); k += kInRow * c) {
+      const double* const r = &rows.residual[k];
+      next.add(r[0], r[c], s, rounding), next.add(r[c], r[2 * c], s, rounding);
+      beyond.add(r[0], r[2 * c], s, rounding);
     }
   }
-  if (count < kFewest) return noise;
-  noise.correlation = sum / static_cast<double>(count);
-  const double spread = kSpreadOfPair / std::sqrt(static_cast<double>(count));
-  noise.found = above && noise.correlation + spread <= kLikeNoise && noise.correlation >= kAlternating;
+  if (!next.known() || !beyond.known()) return noise;
+  noise.correlation = next.mean();
+  // Waves of three to four samples have independent neighbours, but alternate every two samples.
+  noise.found = above && next.like_noise() && std::abs(beyond.mean()) <= kWave;
   return noise;
 }
 
