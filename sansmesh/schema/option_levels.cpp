@@ -41,6 +41,7 @@ constexpr OptionsOfJob kFirst[] = {
     {"volume probe", "output at points array method degree radius time-step fill-value dims type spacing"},
     {"volume resample",
      "output size box gradients outside nan array method degree radius time-step fill-value dims type spacing"},
+    {"volume smooth", "output array all-arrays deviations smoothing time-step fill-value dims type spacing"},
     {"volume isosurface",
      "output preview value array method closed carry components mesh-error triangles no-enhance cell unsteady frames "
      "times time-step fill-value dims type ascii"},

@@ -137,6 +137,9 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
     throw ArgumentError("`cell_values = means` needs `method = mls-detail`, and no uniform or rectilinear grid");
   r.options.logarithm = uses_logarithm(*volume, values, r.options, method, !used.empty());
   if (*r.options.logarithm) {
+    // Few numbers beyond all others are missing values rather than decades.
+    if (const std::vector<double> scales = value_scales(values); !options.logarithm && !scales.empty())
+      check_not_lost(values, scales[0], method.name);
     std::unique_ptr<VolumeField> field =
         exponential_field(method, {std::move(volume), std::move(values), r.options, progress, r, used});
     r.bytes = bytes + bytes_of_coefficients(used);

@@ -31,16 +31,17 @@ TEST(VolumeModel, ChoosesTheMethodThatSuitsTheDataAndSaysWhy) {
   VolumeModel smooth = model_of(lattice_grid({16, 16, 16}, hill)), rough = model_of(lattice_grid({16, 16, 16}, noise));
   smooth.field(progress, notes), rough.field(progress, notes);
   EXPECT_EQ(smooth.report().options.method, "mls-detail");
-  EXPECT_EQ(rough.report().options.method, "cubic");
+  EXPECT_EQ(rough.report().options.method, "mls-detail");
+  EXPECT_EQ(rough.report().options.smoothing, 1);
   EXPECT_EQ(rough.report().why, rough.recommended(progress).why);
-  EXPECT_NE(rough.report().why.find("noisy"), std::string::npos);
+  EXPECT_NE(rough.report().why.find("nois"), std::string::npos);
   // The default method is the same in the dataset and in the reconstruction itself.
   VolumeDataset dataset(lattice_grid({16, 16, 16}, noise));
   VolumeReconstructionReport of_dataset, alone;
   dataset.field({"f", {}, false}, {}, progress, &of_dataset);
   reconstruct_volume(rough.samples(progress), "f", {}, progress, &alone);
-  EXPECT_EQ(of_dataset.options.method, "cubic");
-  EXPECT_EQ(alone.options.method, "cubic");
+  EXPECT_EQ(of_dataset.options.method, "mls-detail");
+  EXPECT_EQ(alone.options.method, "mls-detail");
   EXPECT_EQ(alone.why, rough.report().why);
 }
 

@@ -109,7 +109,7 @@ Command add_volume_surface(CommandLine& volume) {
   CommandLine& c = volume.add_subcommand("surface", "Volume on any grid → smooth surface by moving least squares");
   auto shared = std::make_shared<VolumeSurfaceArguments>();
   VolumeSurfaceArguments& a = *shared;
-  add_volume_input(c, a.input);
+  add_volume_input(c, a.input, {"smoothing"});  // the name is that of the surface's own
   c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
       .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
   c.add_option("--points-output", a.points, "Write evenly spread points of the surface with normals")

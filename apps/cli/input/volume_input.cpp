@@ -23,11 +23,11 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
   add_schema(c, options, {.only = {"time_step", "solution", "fill_value"}});
 }
 
-void add_volume_input(CommandLine& c, VolumeInput& input) {
+void add_volume_input(CommandLine& c, VolumeInput& input, const std::vector<std::string_view>& without) {
   c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").reads().required();
   add_raw_options(c, input.read);
   add_schema<VolumeModelOptions>(c, input, {.only = {"array"}});
-  add_schema(c, input.reconstruction, {.group = "Reconstruction"});
+  add_schema(c, input.reconstruction, {.group = "Reconstruction", .without = without});
 }
 
 void add_volume_array(CommandLine& c, VolumeInput& input) {

@@ -35,8 +35,8 @@ struct VolumeInput : VolumeModelOptions {
   VolumeModel open(Console& console) const;
 };
 
-/// Adds files, --array, and --method with its options.
-void add_volume_input(CommandLine& command, VolumeInput& input);
+/// Adds files, --array, and --method with its options except those in `without`.
+void add_volume_input(CommandLine& command, VolumeInput& input, const std::vector<std::string_view>& without = {});
 /// Adds --array and --method.
 void add_volume_array(CommandLine& command, VolumeInput& input);
 /// Adds options for raw files and files with several steps: --dims, --type, …
