@@ -63,7 +63,8 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
 bool is_held(const FittedVolume& fitted, const std::string& array, const VolumeReconstructionOptions& asked) {
   const VolumeReconstructionOptions& held = fitted.chosen;
   const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
-  if (array != fitted.array || !same(asked.cell_values, held.cell_values) || !same(asked.logarithm, held.logarithm))
+  if (array != fitted.array || !same(asked.cell_values, held.cell_values) || !same(asked.logarithm, held.logarithm) ||
+      !same(asked.smoothing, held.smoothing))
     return false;
   if (!asked.method) return true;
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&

@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
@@ -91,6 +93,10 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
     SmoothedValues smooth = with_name(
         volume.name(), [&] { return smoothed_values(*samples, volume_values(*samples, name), factor, progress); });
     const std::size_t components = smooth.values.components;
+    // Missing values were filled in for the fits only.
+    for (const std::uint32_t s : smooth.values.filled)
+      for (std::size_t m = 0; m < components; ++m)
+        smooth.values.values[s * components + m] = std::numeric_limits<double>::quiet_NaN();
     changed = changed || smooth.smoothing > 0;
     if (smooth.smoothing > 0)
       result->attributes.set(name, std::move(smooth.values.values), components);

@@ -92,6 +92,15 @@ TEST(VolumeNoise, CleanSamplesStayTheSameToTheBit) {
     }
 }
 
+TEST(VolumeNoise, ShortWavesAreNoNoise) {
+  for (const double w : {1.0, 1.3, 1.5, 1.6, 1.7, 1.9, 2.3}) {
+    const double k = 23 * w;  // radians a unit: w a sample
+    const auto f = [&](const Vec3& x) { return std::sin(k * x.x) * std::sin(k * x.y + 1) * std::sin(k * x.z + 2); };
+    const auto volume = volume_of(lattice_grid({24, 24, 24}, f));
+    EXPECT_EQ(smooth(*volume, noisy_values(*volume, f, 0)).smoothing, 0) << w;
+  }
+}
+
 TEST(VolumeNoise, WhiteNoiseIsEstimatedOnEveryGrid) {
   for (const NamedGrid& grid : grids_for_noise()) {
     const auto volume = volume_of(grid.data, grid.association);
