@@ -134,6 +134,7 @@ void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed)
 
 std::vector<std::string> summary_of(const SmoothVolumeReport& report) {
   std::vector<std::string> lines;
+  lines.reserve(report.arrays.size());
   for (const SmoothedArray& a : report.arrays)
     lines.push_back(a.smoothing > 0
                         ? fmt::format("{}: noise of {:.3g}{}", printable(a.name, 60), a.noise,

@@ -211,6 +211,7 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
     const double s = deviation_of(std::move(magnitudes));
     noise.typical[m] = s;
     std::vector<double> own;
+    own.reserve(rows.sample.size());
     for (const std::uint32_t i : rows.sample) own.push_back(values.values[i * c + m]);
     const double least = volume.in_cells && !volume.lattice ? kOfShapes * main_range(own) : 0;
     above = above || s > std::max(least, kQuanta * quantum_of(std::move(own)));
