@@ -203,7 +203,7 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
   const double rounding = kRoundedToFloat * largest_value(values);
   SampleNoise noise;
   noise.typical.assign(c, 0.0);
-  SignCorrelation next, beyond;  // of neighbours, and of samples two steps apart
+  SignCorrelation next, beyond;  // neighbours; samples two steps apart
   bool above = false;
   for (std::size_t m = 0; m < c; ++m) {
     std::vector<double> magnitudes = magnitudes_of(rows, m, rounding);
