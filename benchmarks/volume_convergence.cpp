@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmark_inputs.h"
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
@@ -32,18 +33,9 @@
 namespace {
 
 using namespace sansmesh;
+using benchmark::split;
 using Function = double (*)(const Vec3&);
 constexpr Function kFunctions[] = {benchmark::f1, benchmark::f2, benchmark::f3};
-
-std::vector<std::string> split(std::string_view text) {
-  std::vector<std::string> parts;
-  while (true) {
-    const std::size_t end = std::min(text.find(','), text.size());
-    parts.emplace_back(text.substr(0, end));
-    if (end == text.size()) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
 
 GridData grid_of(const std::string& name, std::size_t n, Function f) {
   // All grids use the same map of the cube: spacings grow by a factor of eight from one end to the other.

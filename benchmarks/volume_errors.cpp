@@ -20,15 +20,14 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "benchmark_inputs.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "thesis_functions.h"
@@ -39,22 +38,13 @@ namespace {
 
 using namespace sansmesh;
 using benchmark::f1, benchmark::f2, benchmark::f3;
+using benchmark::split, benchmark::points_inside;
 
 struct Options {
   std::vector<std::string> methods, grids;
   bool cells = false, tets = false, by_cells = false;
   std::size_t count = 100000, size = 20;
 };
-
-std::vector<std::string> split(std::string_view text, char at) {
-  std::vector<std::string> parts;
-  while (true) {
-    const std::size_t end = std::min(text.find(at), text.size());
-    parts.emplace_back(text.substr(0, end));
-    if (end == text.size()) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
 
 GridData made_up(const std::string& name, std::size_t n, bool& found) {
   const auto zero = [](const Vec3&) { return 0.0; };
@@ -72,24 +62,6 @@ GridData made_up(const std::string& name, std::size_t n, bool& found) {
   if (name == "overlapping") return test::three_overlapping_blocks(n, zero);
   found = false;
   return {};
-}
-
-std::vector<Vec3> points_inside(const SampledVolume& volume, std::size_t count) {
-  const VolumeLocator locator(volume);
-  const Box3 box = volume.bounds();
-  std::mt19937 random(12345);
-  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  std::vector<Vec3> inside;
-  while (inside.size() < count) {
-    std::vector<Vec3> x(count);
-    for (Vec3& p : x)
-      for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
-    std::vector<CellLocation> locations(x.size());
-    locator.locate(x, locations);
-    for (std::size_t i = 0; i < x.size() && inside.size() < count; ++i)
-      if (locations[i].inside) inside.push_back(x[i]);
-  }
-  return inside;
 }
 
 void measure(const std::string& name, const Options& options) {

@@ -24,10 +24,10 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmark_inputs.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
-#include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume/samples/centre_fit.h"
@@ -40,6 +40,7 @@
 namespace {
 
 using namespace sansmesh;
+using benchmark::split, benchmark::points_inside;
 
 enum Part { kFlat, kStep, kCurved, kOther };
 constexpr std::array<const char*, 3> kPartNames{"flat", "step", "curved"};
@@ -126,16 +127,6 @@ std::vector<double> plain_fit(const KdTree& tree, const std::vector<Vec3>& sampl
   return result;
 }
 
-std::vector<std::string> split(std::string_view text) {
-  std::vector<std::string> parts;
-  while (true) {
-    const std::size_t end = std::min(text.find(','), text.size());
-    parts.emplace_back(text.substr(0, end));
-    if (end == text.size()) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
 struct Options {
   std::vector<std::string> grids = split(
       "uniform,uniform-cells,rectilinear,rectilinear-cells,bent,bent-cells,tets,tets-cells,amr,amr-cells,blocks,"
@@ -144,25 +135,6 @@ struct Options {
   std::size_t size = 24;
   bool detail = false;
 };
-
-/// Random positions in the volume.
-std::vector<Vec3> between(const SampledVolume& volume, std::size_t count) {
-  const VolumeLocator locator(volume);
-  const Box3 box = volume.bounds();
-  std::mt19937 random(12345);
-  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  std::vector<Vec3> inside;
-  while (inside.size() < count) {
-    std::vector<Vec3> x(count);
-    for (Vec3& p : x)
-      for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
-    std::vector<CellLocation> locations(x.size());
-    locator.locate(x, locations);
-    for (std::size_t i = 0; i < x.size() && inside.size() < count; ++i)
-      if (locations[i].inside) inside.push_back(x[i]);
-  }
-  return inside;
-}
 
 class Row {
  public:
@@ -180,7 +152,7 @@ class Row {
     for (const Vec3& x : at_) f_.push_back(truth_.value(x) + sigma * normal(random));
     volume.attributes.set("f", f_);
     volume_ = std::make_shared<const SampledVolume>(std::move(volume));
-    between_ = between(*volume_, 20000);
+    between_ = points_inside(*volume_, 20000);
   }
 
   void measure() {

@@ -301,7 +301,7 @@ struct TerrainSamples {
 /// classes only, or if `all`. Throws DataError if there are none, Cancelled.
 SANSMESH_API TerrainSamples terrain_samples(PointSet points, bool all, Progress& progress);
 
-/// What else shapes a height grid.
+/// Tiles and breaklines of a height grid.
 struct HeightGridUse {
   std::optional<double> tile_size = {};  ///< tiles of this size (length, > 0) are to have whole cells
   /// For clouds: lines at which height or slope jumps, in the coordinates of the cloud. Both sides have surfaces of

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_state.h"
 
 namespace sansmesh::inline v1 {
@@ -32,9 +33,12 @@ VolumeInfo contents_of(const VolumeModel& volume, Progress& progress) {
     info.fitted = {fitted->array, fitted->chosen, fitted->coefficients.by_degree()};
   info.times = dataset.times();
   info.file_notes = dataset.notes();
-  if (!dataset.arrays().empty()) {
+  if (dataset.arrays().empty()) return info;
+  try {
     const VolumeTraits& traits = volume.traits(progress);
     info.noise = traits.noisy ? traits.noise * traits.range : 0;
+  } catch (const DataError&) {
+    info.noise.reset();  // unusable values, as if none is finite, have other facts
   }
   return info;
 }

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 
 /// The fronts of samples with the supports of their polynomials: G = Σ w τ g / Σ w τ, likewise the values of both sides
-/// and the width; the field is the front A + (B − A) ½ (1 + tanh(G / W)) with the share T = s(min(1, 3 Σ w τ / Σ w))
+/// and the width; the field is the front A + (B − A) ½ (1 + tanh(G / W)) with the share T = s(min(1, 10 Σ w τ / Σ w))
 /// and the blend of the polynomials with 1 − T, where τ is the trust of a front and s(t) = t² (3 − 2t).
 class FrontShare {
  public:

@@ -37,7 +37,7 @@ constexpr double kNearFronts = 0.1, kFarFronts = 0.25;
 constexpr double kManyFronts = 2;
 /// Least width of a front, in extents of its cell: less resolves no better.
 constexpr double kLeastFrontWidth = 0.15;
-/// Of a step ½ (1 + tanh(s / w)): w for the variance of two steps of half height at ± 1, √12 / π.
+/// Width w of the step ½ (1 + tanh(s / w)) with the variance of two steps of half height at ± 1: √12 / π.
 constexpr double kWidthOfSpread = 1.1026577908435842;
 
 /// 1 up to `full`, 0 from `none`, smooth between.

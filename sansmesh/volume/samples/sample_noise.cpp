@@ -35,8 +35,8 @@ class LeftOutResiduals {
   LeftOutResiduals(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics)
       : values_(values), near_(volume, metrics) {}
 
-  /// Appends residuals and predictions of all components; false without a reliable prediction.
-  bool of(std::uint32_t sample, double* residuals, double* predictions) {
+  /// Sets the residuals of all components; false without a reliable prediction.
+  bool of(std::uint32_t sample, double* residuals) {
     near_.gather(sample, kParabolaNeighbours + 1);
     const auto u = near_.local();
     const double radius = near_.radius(kParabolaNeighbours + 1);
@@ -54,7 +54,7 @@ class LeftOutResiduals {
       const double own = values_.values[sample * c + m];
       double rise = 0;
       for (std::size_t j = 1; j < l.size(); ++j) rise += l[j] * (values_.values[near_.samples()[j] * c + m] - own);
-      residuals[m] = -rise * unit, predictions[m] = own + rise;
+      residuals[m] = -rise * unit;
     }
     return true;
   }
@@ -112,8 +112,8 @@ double main_range(std::vector<double> values) {
 /// LeftOutResiduals of rows of three samples, in the order of samples.
 struct Rows {
   std::size_t components = 1;
-  std::vector<std::uint32_t> sample;         ///< kInRow per row
-  std::vector<double> residual, prediction;  ///< all components of each
+  std::vector<std::uint32_t> sample;  ///< kInRow per row
+  std::vector<double> residual;       ///< all components of each
 };
 
 /// The neighbour of `middle` that is nearest to the continuation of the way from `first`.
@@ -130,7 +130,7 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
                   Progress& progress) {
   const std::size_t n = volume.size(), c = values.components, count = std::min(n, kRows), width = kInRow * c;
   std::vector<std::array<std::uint32_t, kInRow>> chosen(count);
-  std::vector<double> residual(count * width), prediction(count * width);
+  std::vector<double> residual(count * width);
   std::vector<std::uint8_t> known(count, 0);
   progress.begin("look at noise", count);
   parallel_ranges(0, count, 64, [&](std::size_t begin, std::size_t end) {
@@ -149,7 +149,7 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
       if (chosen[k][2] == i) continue;
       known[k] = 1;
       for (std::size_t s = 0; s < kInRow && known[k]; ++s)
-        known[k] = residuals.of(chosen[k][s], &residual[k * width + s * c], &prediction[k * width + s * c]);
+        known[k] = residuals.of(chosen[k][s], &residual[k * width + s * c]);
     }
     progress.advance(end - begin);
   });
@@ -160,7 +160,6 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
     rows.sample.insert(rows.sample.end(), chosen[k].begin(), chosen[k].end());
     const auto from = static_cast<std::ptrdiff_t>(k * width), to = static_cast<std::ptrdiff_t>((k + 1) * width);
     rows.residual.insert(rows.residual.end(), residual.begin() + from, residual.begin() + to);
-    rows.prediction.insert(rows.prediction.end(), prediction.begin() + from, prediction.begin() + to);
   }
   return rows;
 }

@@ -17,13 +17,6 @@ struct SampleNoise {
   bool found = false;           ///< whether the residuals are those of noise; otherwise all deviations are bounds
   std::vector<double> typical;  ///< per component, of the volume as a whole
   double correlation = 0;       ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
-  /// Deviation of each component of each sample; empty if it is the same everywhere.
-  std::vector<float> local;
-
-  double at(std::size_t sample, std::size_t component) const {
-    const std::size_t c = typical.size();
-    return local.empty() ? typical[component] : static_cast<double>(local[sample * c + component]);
-  }
 };
 
 /// Estimates white noise from parabolas through the neighbours of some thousand samples, which leave the sample out:
@@ -31,8 +24,8 @@ struct SampleNoise {
 /// without the tails, to which steps belong (docs/methods/volume-noise.md).
 ///
 /// Unresolved structure also leaves residuals, but those of neighbours have the same sign, whereas those of noise have
-/// slightly opposite ones. So noise is found if the mean of 2ab / (a² + b²) over pairs of neighbours is below 0.05;
-/// values with a smallest difference (integers) need noise above 0.6 of it.
+/// slightly opposite ones. So noise is found if the mean of 2ab / (a² + b²) over pairs of neighbours is between −0.35
+/// and 0.05, and within ±0.3 two steps apart; values with a smallest difference (integers) need noise above 0.6 of it.
 SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
                            Progress& progress);
 

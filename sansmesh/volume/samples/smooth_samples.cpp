@@ -37,15 +37,16 @@ class SampleSmoother {
  public:
   SampleSmoother(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
                  const SampleNoise& noise, double factor)
-      : volume_(volume),
-        values_(values),
-        metrics_(metrics),
-        noise_(noise),
-        factor_(factor),
-        n_(volume.size()),
-        c_(values.components) {}
+      : volume_(volume), values_(values), metrics_(metrics), n_(volume.size()), c_(values.components) {
+    for (const double typical : noise.typical) {
+      const double s = factor * typical;
+      deviations_.push_back(s), inverse_.push_back(s > 0 ? 1 / (s * s) : 0);
+    }
+  }
 
   SmoothedSamples smooth(Progress& progress) {
+    if (std::all_of(inverse_.begin(), inverse_.end(), [](double i) { return i == 0; }))
+      return {values_.values, std::vector<float>(n_ * c_, 0.0f)};
     progress.begin("smooth", 4);
     look(values_.values, kFirstLook, kSamplesApart);
     progress.advance();
@@ -62,26 +63,12 @@ class SampleSmoother {
   }
 
  private:
-  double deviation(std::size_t sample, std::size_t m) const { return factor_ * noise_.at(sample, m); }
-
-  /// Whether any component has noise there; inverse squares of the deviations (0 without noise).
-  bool inverse_squares(std::size_t sample, std::vector<double>& inverse) const {
-    bool any = false;
-    for (std::size_t m = 0; m < c_; ++m) {
-      const double s = deviation(sample, m);
-      inverse[m] = s > 0 ? 1 / (s * s) : 0;
-      any = any || s > 0;
-    }
-    return any;
-  }
-
   /// Largest squared difference of two samples over the components, in variances of the noise.
-  double difference(const std::vector<double>& of, std::size_t i, std::size_t j,
-                    const std::vector<double>& inverse) const {
+  double difference(const std::vector<double>& of, std::size_t i, std::size_t j) const {
     double most = 0;
     for (std::size_t m = 0; m < c_; ++m) {
       const double d = of[i * c_ + m] - of[j * c_ + m];
-      most = std::max(most, d * d * inverse[m]);
+      most = std::max(most, d * d * inverse_[m]);
     }
     return most;
   }
@@ -92,23 +79,22 @@ class SampleSmoother {
     const double unit = 1 / (apart * apart);
     parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
-      std::vector<double> inverse(c_), sums(c_);
+      std::vector<double> sums(c_);
       for (std::size_t i = begin; i < end; ++i) {
-        if (!inverse_squares(i, inverse)) continue;
         near.gather(static_cast<std::uint32_t>(i), count);
         const double radius = near.radius(count), inside = 1 / (radius * radius);
         double whole = 0;
         sums.assign(c_, 0.0);
         for (std::size_t j = 0; j < near.samples().size(); ++j) {
           const std::size_t at = near.samples()[j];
-          const double w = (1 - near.squares()[j] * inside * 0.75) * biweight(difference(by, i, at, inverse) * unit);
+          const double w = (1 - near.squares()[j] * inside * 0.75) * biweight(difference(by, i, at) * unit);
           if (!(w > 0)) continue;
           whole += w;
           for (std::size_t m = 0; m < c_; ++m)
             sums[m] += w * (values_.values[at * c_ + m] - values_.values[i * c_ + m]);
         }
         for (std::size_t m = 0; m < c_; ++m)
-          if (inverse[m] > 0) means[i * c_ + m] = values_.values[i * c_ + m] + sums[m] / whole;
+          if (inverse_[m] > 0) means[i * c_ + m] = values_.values[i * c_ + m] + sums[m] / whole;
       }
     });
     pilot_ = std::move(means);
@@ -122,20 +108,19 @@ class SampleSmoother {
     parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       NearSamples near(volume_, metrics_);
       CentreFit fit;
-      std::vector<double> inverse(c_), weights, f;
+      std::vector<double> weights, f;
       for (std::size_t i = begin; i < end; ++i) {
-        if (!inverse_squares(i, inverse)) continue;
         near.gather(static_cast<std::uint32_t>(i), kThirdLook);
         const double radius = near.radius(kThirdLook), inside = 1 / (radius * radius);
         weights.clear();
         for (std::size_t j = 0; j < near.samples().size(); ++j)
           weights.push_back(std::max(1 - near.squares()[j] * inside, 0.0) *
-                            biweight(difference(pilot_, i, near.samples()[j], inverse) * unit));
+                            biweight(difference(pilot_, i, near.samples()[j]) * unit));
         if (!near.repeated()) fit.place(near.local());
         fit.weigh(weights, 1);
         const auto l = fit.coefficients(1);
         for (std::size_t m = 0; m < c_; ++m) {
-          if (inverse[m] == 0) continue;
+          if (inverse_[m] == 0) continue;
           f.clear();
           double rise = 0;
           for (std::size_t j = 0; j < near.samples().size(); ++j) {
@@ -152,8 +137,7 @@ class SampleSmoother {
 
   /// Robust weights of the neighbours: how far they are from the plane, or from the value, at the sample. False if all
   /// are about 1.
-  bool find_robust(std::size_t i, const NearSamples& near, const std::vector<double>& inverse,
-                   std::vector<double>& robust) const {
+  bool find_robust(std::size_t i, const NearSamples& near, std::vector<double>& robust) const {
     const std::size_t n = near.samples().size();
     robust.assign(n, 0.0);
     for (std::size_t m = 0; m < c_; ++m) {
@@ -161,7 +145,7 @@ class SampleSmoother {
       const double own = pilot_[i * c_ + m];
       for (std::size_t j = 0; j < n; ++j) {
         const double level = pilot_[near.samples()[j] * c_ + m] - own, plane = level - dot(slope, near.local()[j]);
-        robust[j] = std::max(robust[j], std::min(level * level, plane * plane) * inverse[m]);
+        robust[j] = std::max(robust[j], std::min(level * level, plane * plane) * inverse_[m]);
       }
     }
     if (*std::max_element(robust.begin(), robust.end()) < kNoStep) return false;
@@ -202,14 +186,13 @@ class SampleSmoother {
       NearSamples near(volume_, metrics_);
       CentreFit fit;
       PlainFits plain;
-      std::vector<double> inverse(c_), robust, weights;
+      std::vector<double> robust, weights;
       for (std::size_t i = begin; i < end; ++i) {
-        if (!inverse_squares(i, inverse)) continue;
         near.gather(static_cast<std::uint32_t>(i), kWidths.back());
         if (!near.repeated()) plain.set(near, fit, weights);
         for (std::size_t k = 0; k < plain.coefficients.size(); ++k)
-          keep(i, kFits * (k / 2) + 2 + k % 2, near, plain.coefficients[k], inverse, 0);
-        if (!find_robust(i, near, inverse, robust)) {
+          keep(i, kFits * (k / 2) + 2 + k % 2, near, plain.coefficients[k], 0);
+        if (!find_robust(i, near, robust)) {
           // Both are the same there. The pooled errors of neighbours at steps need them.
           for (std::size_t w = 0; w < kWidths.size(); ++w)
             for (std::size_t k = 0; k < 2; ++k) copy_candidate(i, kFits * w + 2 + k, kFits * w + k);
@@ -224,8 +207,8 @@ class SampleSmoother {
           }
           vague *= kVague / whole;
           fit.weigh(weights);
-          keep(i, kFits * w, near, fit.coefficients(2), inverse, vague);
-          keep(i, kFits * w + 1, near, fit.coefficients(1), inverse, vague);
+          keep(i, kFits * w, near, fit.coefficients(2), vague);
+          keep(i, kFits * w + 1, near, fit.coefficients(1), vague);
         }
       }
     });
@@ -233,18 +216,17 @@ class SampleSmoother {
 
   /// Stores the change of the sample's value by a candidate, its variance, and an unbiased estimate of its squared
   /// error in variances of the noise: (f − p)² / σ² − 1 + 2 l, with l the sample's own coefficient.
-  void keep(std::size_t i, std::size_t candidate, const NearSamples& near, std::span<const double> l,
-            const std::vector<double>& inverse, double vague) {
+  void keep(std::size_t i, std::size_t candidate, const NearSamples& near, std::span<const double> l, double vague) {
     const std::size_t at = i * kCandidates + candidate;
     double variance = 0, error = 0, noisy = 0;
     for (const double a : l) variance += a * a;
     for (std::size_t m = 0; m < c_; ++m) {
-      if (inverse[m] == 0) continue;
+      if (inverse_[m] == 0) continue;
       double rise = 0;
       for (std::size_t j = 1; j < l.size(); ++j)
         rise += l[j] * (values_.values[near.samples()[j] * c_ + m] - values_.values[i * c_ + m]);
-      changes_[at * c_ + m] = static_cast<float>(rise * std::sqrt(inverse[m]));
-      error += rise * rise * inverse[m] - 1 + 2 * l[0], ++noisy;
+      changes_[at * c_ + m] = static_cast<float>(rise * std::sqrt(inverse_[m]));
+      error += rise * rise * inverse_[m] - 1 + 2 * l[0], ++noisy;
     }
     variances_[at] = static_cast<float>(variance);
     errors_[at] = static_cast<float>(error / noisy + vague);
@@ -268,12 +250,10 @@ class SampleSmoother {
     edges_.assign(first_edge_[n_], 0.0f);
     parallel_ranges(0, n_, kSmoothGrain, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t> near;
-      std::vector<double> inverse(c_);
       for (std::size_t i = begin; i < end; ++i) {
-        if (!inverse_squares(i, inverse)) continue;
         volume_.star(i, near);
         for (std::size_t k = 0; k < near.size(); ++k)
-          edges_[first_edge_[i] + k] = static_cast<float>(std::exp(-difference(pilot_, i, near[k], inverse) * unit));
+          edges_[first_edge_[i] + k] = static_cast<float>(std::exp(-difference(pilot_, i, near[k]) * unit));
       }
     });
   }
@@ -312,7 +292,7 @@ class SampleSmoother {
         if (risk < least) least = risk, best = k;
       }
       for (std::size_t m = 0; m < c_; ++m) {
-        const double s = deviation(i, m);
+        const double s = deviations_[m];
         result.deviations[i * c_ + m] = static_cast<float>(s * std::sqrt(least));
         if (best < kCandidates && s > 0)
           result.values[i * c_ + m] += s * static_cast<double>(changes_[(i * kCandidates + best) * c_ + m]);
@@ -324,8 +304,8 @@ class SampleSmoother {
   const SampledVolume& volume_;
   const VolumeValues& values_;
   std::span<const StarMetric> metrics_;
-  const SampleNoise& noise_;
-  double factor_;
+  std::vector<double> deviations_;  ///< deviations of the noise, per component
+  std::vector<double> inverse_;     ///< inverse squares of the deviations, 0 without noise
   std::size_t n_, c_;
   std::vector<double> pilot_;
   std::vector<Vec3f> slopes_;
