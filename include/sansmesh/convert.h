@@ -270,7 +270,7 @@ struct SANSMESH_API HeightGridOptions {
 
 /// Report of make_height_grid().
 struct SANSMESH_API HeightGridReport {
-  std::size_t ground = 0;                      ///< samples of the ground; 0 for meshes
+  std::size_t samples = 0;                     ///< samples of the ground or of chosen classes; 0 for meshes
   std::optional<std::size_t> breaklines = {};  ///< given breaklines that lie over the samples
   std::size_t columns = 0, rows = 0;           ///< cells
   double cell = 0;                             ///< edge of the cells (length)
@@ -302,11 +302,14 @@ struct TerrainSamples {
 SANSMESH_API TerrainSamples terrain_samples(PointSet points, bool all, Progress& progress);
 
 /// Tiles and breaklines of a height grid.
-struct HeightGridUse {
+struct SANSMESH_API HeightGridUse {
   std::optional<double> tile_size = {};  ///< tiles of this size (length, > 0) are to have whole cells
   /// For clouds: lines at which height or slope jumps, in the coordinates of the cloud. Both sides have surfaces of
   /// their own. Lines whose heights are all 0 have none; those of others are samples.
   PolylineSet breaklines = {};
+
+  /// Throws ArgumentError for a size of tiles that is not positive, or not a multiple of a cell that is given.
+  void validate(const HeightGridOptions& options) const;
 };
 
 /// Heights of the ground of a cloud: of its terrain_samples. Of a mesh: heights of its highest triangles. Throws

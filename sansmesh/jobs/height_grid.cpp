@@ -56,11 +56,6 @@ std::int64_t cells_of_tile(double tile, double cell) {
   return std::llround(cells);
 }
 
-void check_tiles(const HeightGridOptions& options, std::optional<double> tile) {
-  if (tile && !(*tile > 0 && std::isfinite(*tile))) throw ArgumentError("`tile_size` must be positive");
-  if (tile && options.cell) cells_of_tile(*tile, *options.cell);
-}
-
 GroundHeights grid_of_points(const TerrainSamples& samples, const HeightGridOptions& options, const HeightGridUse& use,
                              Progress& progress) {
   if (!(samples.spacing > 0)) throw DataError("the ground covers no area over x and y");
@@ -85,11 +80,11 @@ void check_no_breaklines(const HeightGridUse& use) {
   if (use.breaklines.size() > 0) throw ArgumentError("`breaklines` are for grids of samples, not of a surface");
 }
 
-HeightGridResult with_report(HeightGrid grid, std::size_t ground, const HeightGridOptions& options) {
+HeightGridResult with_report(HeightGrid grid, std::size_t samples, const HeightGridOptions& options) {
   HeightGridResult result{std::move(grid), {}, {}};
   HeightGridReport& r = result.report;
   const std::vector<float>& heights = result.grid.heights.pixels;
-  r.ground = ground;
+  r.samples = samples;
   r.columns = static_cast<std::size_t>(result.grid.heights.width),
   r.rows = static_cast<std::size_t>(result.grid.heights.height);
   r.cell = result.grid.cell;
@@ -127,9 +122,14 @@ const OptionSchema& HeightGridOptions::schema() {
 
 void HeightGridOptions::validate() const { validate_options(*this); }
 
+void HeightGridUse::validate(const HeightGridOptions& options) const {
+  if (tile_size && !(*tile_size > 0 && std::isfinite(*tile_size))) throw ArgumentError("`tile_size` must be positive");
+  if (tile_size && options.cell) cells_of_tile(*tile_size, *options.cell);
+}
+
 const ReportSchema& HeightGridReport::schema() {
   using R = HeightGridReport;
-  static constexpr ReportRow rows[] = {reported<&R::ground>({.text = "Samples of the ground"}),
+  static constexpr ReportRow rows[] = {reported<&R::samples>({.text = "Samples of the ground, or of chosen classes"}),
                                        reported<&R::breaklines>({.text = "Breaklines over the samples"}),
                                        reported<&R::columns>({.text = "Columns of cells"}),
                                        reported<&R::rows>({.text = "Rows of cells"}),
@@ -162,7 +162,7 @@ TerrainSamples terrain_samples(PointSet points, bool all, Progress& progress) {
 HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptions& options, Progress& progress,
                                   const HeightGridUse& use) {
   options.validate();
-  check_tiles(options, use.tile_size);
+  use.validate(options);
   if (data.is_mesh) {
     check_no_breaklines(use);
     return with_report(grid_of_mesh(data.mesh, 0, options, use.tile_size, progress), 0, options);
@@ -186,7 +186,7 @@ HeightGridResult make_height_grid(const CloudOrMesh& data, const HeightGridOptio
 HeightGridResult make_height_grid(const TriangleMesh& surface, const TerrainSamples& samples,
                                   const HeightGridOptions& options, Progress& progress, const HeightGridUse& use) {
   options.validate();
-  check_tiles(options, use.tile_size);
+  use.validate(options);
   if (options.gap) throw ArgumentError("`gap` is for grids of samples: `fill_holes` closes gaps of a surface");
   check_no_breaklines(use);
   return with_report(grid_of_mesh(surface, samples.spacing, options, use.tile_size, progress), samples.count, options);
@@ -278,7 +278,7 @@ std::vector<std::string> summary_of(const HeightGridReport& r) {
   return {fmt::format("{} × {} cells of {:.6g}, heights {:.6g} to {:.6g}{}{}{}", grouped(r.columns), grouped(r.rows),
                       r.cell, r.lowest, r.highest,
                       r.unknown > 0 ? fmt::format(", {:.1f} % unknown", 100 * r.unknown) : "",
-                      r.ground > 0 ? ", from " + counted(r.ground, "sample") + " of the ground" : "",
+                      r.samples > 0 ? ", from " + counted(r.samples, "sample") : "",
                       r.breaklines ? " and " + counted(*r.breaklines, "breakline") : "")};
 }
 

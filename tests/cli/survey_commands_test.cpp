@@ -395,7 +395,7 @@ TEST_F(SurveyCommands, ReconstructionsHaveHeightsInOneStep) {
   const Json made = json_of({"reconstruct", "tile.csv", "-o", "surface.tif", "--contours", "lines.dxf", "--hillshade",
                              "shade.png", "--preview", "mesh.png"}),
              same = json_of({"convert", "tile.csv", "-o", "samples.tif"});
-  for (const char* key : {"ground", "cell", "interval"}) EXPECT_EQ(made["heights"][key], same["heights"][key]) << key;
+  for (const char* key : {"samples", "cell", "interval"}) EXPECT_EQ(made["heights"][key], same["heights"][key]) << key;
   for (const char* key : {"lowest", "highest"})
     EXPECT_NEAR(made["heights"][key], static_cast<double>(same["heights"][key]), 0.3) << key;
   EXPECT_EQ(made["heights"]["file"], "surface.tif");
@@ -406,7 +406,19 @@ TEST_F(SurveyCommands, ReconstructionsHaveHeightsInOneStep) {
   ASSERT_EQ(run({"reconstruct", "tile.csv", "--class", "ground", "-o", "mesh.ply"}).code, 0);
   ASSERT_EQ(run({"convert", "mesh.ply", "-o", "mesh.tif", "--cell", "1"}).code, 0);
   EXPECT_EQ(slurp(path("mesh.tif")), slurp(path("surface.tif")));
+  // Its tiles are those of the grid.
+  const Json tiles = json_of({"reconstruct", "tile.csv", "-o", "t.tif", "--cell", "1", "--tile-size", "50"});
+  const Json split = json_of({"convert", "mesh.ply", "-o", "m.tif", "--cell", "1", "--tile-size", "50"});
+  ASSERT_EQ(tiles["heights"]["files"].size(), split["heights"]["files"].size());
+  ASSERT_GE(split["heights"]["files"].size(), 9u);
+  for (std::size_t k = 0; k < split["heights"]["files"].size(); ++k) {
+    const std::string a = tiles["heights"]["files"][k]["file"], b = split["heights"]["files"][k]["file"];
+    EXPECT_EQ(a.substr(1), b.substr(1));
+    EXPECT_EQ(slurp(path(a)), slurp(path(b))) << a;
+  }
   expect_failures({
+      {{"reconstruct", "tile.csv", "-o", "a.tif", "--cell", "3", "--tile-size", "50"}, 2, {"--tile-size", "--cell"}},
+      {{"reconstruct", "tile.csv", "-o", "a.ply", "--tile-size", "50"}, 2, {"--tile-size", "-o FILE.tif"}},
       {{"reconstruct", "tile.csv", "-o", "a.ply", "--contours", "lines.dxf"}, 2, {"-o FILE.tif"}},
       {{"reconstruct", "tile.csv", "-o", "a.tif", "--ascii"}, 2, {"--ascii"}},
       {{"reconstruct", "tile.csv", "-o", "none/a.tif"}, 1, {"none"}},

@@ -169,7 +169,7 @@ TEST(HeightGrid, OfASurfaceHasTheCellsOfItsSamples) {
   const HeightGridResult of_samples = make_height_grid(CloudOrMesh(points), {}, progress),
                          of_plane = make_height_grid(plane, samples, {}, progress);
   EXPECT_EQ(of_plane.report.cell, of_samples.report.cell);
-  EXPECT_EQ(of_plane.report.ground, of_samples.report.ground);
+  EXPECT_EQ(of_plane.report.samples, of_samples.report.samples);
   EXPECT_EQ(of_plane.grid.left, of_samples.grid.left);
   EXPECT_EQ(of_plane.grid.top, of_samples.grid.top);
   EXPECT_NEAR(of_plane.report.highest, 407, 1e-3);

@@ -22,7 +22,10 @@ inline double cell_mean(CellShape shape, std::span<const Vec3> corners, const Vo
   const CellMap map(shape, corners);
   double sum = 0, volume = 0;
   const int n = 4 * parts;
-  const auto node = [&](int i) { return (i / 4 + at[i % 4]) / parts; };
+  const auto node = [&](int i) {
+    const int part = i / 4;
+    return (part + at[i % 4]) / parts;
+  };
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {

@@ -79,7 +79,7 @@ TEST(VolumeNoise, CleanSamplesStayTheSameToTheBit) {
   const VolumeFunction functions[] = {waves, linear_function, [](const Vec3&) { return 3.25; },
                                       [](const Vec3& x) { return std::tanh(9 * (x.x + x.y - x.z)); },
                                       [](const Vec3& x) { return x.x < 0.45 ? 1.0 : 0.0; }};
-  for (std::vector<NamedGrid> grids : {all_grids(waves), grids_for_noise()})
+  for (const std::vector<NamedGrid>& grids : {all_grids(waves), grids_for_noise()})
     for (const NamedGrid& grid : grids) {
       const auto volume = volume_of(grid.data, grid.association);
       for (std::size_t k = 0; k < std::size(functions); ++k) {

@@ -77,7 +77,7 @@ std::string option_of(const ConvertStep& step) {
 void check_convert(const ConvertArguments& a) {
   a.options.validate();
   a.parts.validate();
-  a.heights.check(a.output, a.input.files);
+  a.heights.check(a.output, a.parts.tile_size, a.input.files);
   if (a.writes_heights()) {
     require(!a.split && !a.ascii && !a.parts.split_distance && a.parts.min_size == 0,
             "--split, --split-distance, --min-size and --ascii are for points and meshes, not for a height grid");

@@ -9,6 +9,7 @@
 #include "cli/line/commands.h"
 #include "cli/line/height_output.h"
 #include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
 #include "cli/line/surface_options.h"
 #include "cli/report/mesh_words.h"
 #include "sansmesh/convert.h"
@@ -26,6 +27,7 @@ struct ReconstructArguments {
   MeshOutput output;
   ReconstructOptions options;
   HeightOutput heights;
+  SplitOptions tiles;  ///< of the height grid
 
   bool writes_heights() const { return HeightOutput::is_grid(output.file); }
 };
@@ -51,16 +53,21 @@ std::vector<std::string> write_result(const ReconstructArguments& a, const Recon
   }
   a.output.write_preview(made.mesh, console);
   const HeightGridResult grid = naming(a.input.name(), console, [&] {
-    return make_height_grid(made.mesh, samples, a.heights.options, console.progress());
+    return make_height_grid(made.mesh, samples, a.heights.options, console.progress(),
+                            a.heights.use(a.tiles.tile_size, console));
   });
-  a.heights.write(a.output.file, grid, {}, a.input.files, lines, console);
+  a.heights.write(a.output.file, grid, a.tiles.tile_size, a.input.files, lines, console);
   return lines;
 }
 
 void check_reconstruct(const ReconstructArguments& a) {
   a.options.validate();
-  a.heights.check(a.output.file, a.input.files);
-  if (!a.writes_heights()) return a.output.check();
+  a.tiles.validate();
+  a.heights.check(a.output.file, a.tiles.tile_size, a.input.files);
+  if (!a.writes_heights()) {
+    require(!a.tiles.tile_size, "--tile-size needs a height grid: -o FILE.tif");
+    return a.output.check();
+  }
   a.output.check_preview();
   require(!a.output.ascii, "--ascii is for meshes, not for a height grid");
 }
@@ -112,6 +119,7 @@ Command add_reconstruct(CommandLine& app) {
   add_fit_options(c, a.options.fit);
   add_surface(c, a.options.surface, a.options.cloud, "Mesh this surface instead");
   add_height_output(c, a.heights, false);
+  add_schema(c, a.tiles, {.group = "Height grid", .only = {"tile_size"}});
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"

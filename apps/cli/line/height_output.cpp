@@ -29,8 +29,10 @@ bool HeightOutput::is_grid(const std::string& file) {
   return name.ends_with(".tif") || name.ends_with(".tiff");
 }
 
-void HeightOutput::check(const std::string& output, const std::vector<std::string>& inputs) const {
+void HeightOutput::check(const std::string& output, std::optional<double> tile_size,
+                         const std::vector<std::string>& inputs) const {
   options.validate();
+  HeightGridUse{tile_size, {}}.validate(options);
   if (!is_grid(output)) {
     require(breaklines.empty() && contours.empty() && hillshade.empty() && options_set(options).empty(),
             "--cell, --gap, --interval, --breaklines, --contours and --hillshade need a height grid: -o FILE.tif");

@@ -30,7 +30,7 @@ struct HeightOutput {
   static bool is_grid(const std::string& file);
   /// Throws ArgumentError for bad options, and for any without a grid; FileError early if files cannot be written.
   /// FileError also if an input or the breaklines would be overwritten.
-  void check(const std::string& output, const std::vector<std::string>& inputs) const;
+  void check(const std::string& output, std::optional<double> tile_size, const std::vector<std::string>& inputs) const;
   /// The breaklines and the size of tiles. Throws FileError if there are no lines.
   HeightGridUse use(std::optional<double> tile_size, Console& console) const;
   /// Writes the grid, in tiles if a size is given, and reports it. Appends lines to the summary. Throws FileError.
