@@ -27,7 +27,7 @@ struct ReconstructArguments {
   MeshOutput output;
   ReconstructOptions options;
   HeightOutput heights;
-  SplitOptions tiles;  ///< of the height grid
+  SplitOptions tiles;  ///< tiles of the height grid
 
   bool writes_heights() const { return HeightOutput::is_grid(output.file); }
 };
