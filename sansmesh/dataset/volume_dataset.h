@@ -25,6 +25,10 @@ class VolumeDataset {
   /// Has the kept arrays in the order of the file; the default is the reconstructed one.
   explicit VolumeDataset(FittedVolume fitted);
 
+  /// Adds vectors whose components are separate arrays, as join_arrays, if `text` lists some: "vx,vy,vz", also with the
+  /// ending of a choice. Without effect once samples are assembled.
+  void join(const std::string& text);
+
   const std::vector<DatasetArray>& arrays() const { return arrays_; }
   /// For a fitted volume the reconstructed array. Otherwise the first of, by preference: real with one component and
   /// not constant; one component; several components; point arrays before cell arrays. Throws DataError if there is no
@@ -65,6 +69,8 @@ class VolumeDataset {
   std::unique_ptr<VolumeField> reconstruct(const std::string& array, const VolumeReconstructionOptions& options,
                                            Progress& progress, VolumeReconstructionReport& report,
                                            ReconstructionCoefficients& kept);
+
+  void take_in_arrays();
 
   GridData data_;  ///< without blocks once they are no longer needed
   std::vector<DatasetArray> arrays_;

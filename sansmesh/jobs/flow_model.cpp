@@ -13,6 +13,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
+#include "sansmesh/dataset/joined_arrays.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
@@ -52,13 +53,21 @@ bool is_formula(const std::string& name) {
          std::any_of(flows.begin(), flows.end(), [&](const AnalyticFlow& f) { return f.name == name; });
 }
 
-/// The named array, or the first array of vectors. Throws DataError.
-ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
-  if (!array.empty()) return volume.choose(array);
+/// The named array, the first array of vectors, or vectors of separate components. Throws DataError.
+ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array, std::vector<Note>& notes) {
+  if (!array.empty()) {
+    dataset_of(volume).join(array);
+    return volume.choose(array);
+  }
   const std::vector<DatasetArray>& arrays = volume.arrays();
   for (const std::size_t components : {std::size_t{3}, std::size_t{2}})
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
+  if (const std::string found = vector_components(arrays); !found.empty()) {
+    dataset_of(volume).join(found);
+    add_notes(notes, "vectors", {"the vectors are " + found + " (`array` lists other components)"}, volume.name());
+    return volume.choose(found);
+  }
   std::vector<std::string> names;
   names.reserve(arrays.size());
   for (const DatasetArray& a : arrays) names.push_back(fmt::format("{} ({})", a.name, a.components));
@@ -79,11 +88,12 @@ std::uint64_t default_memory() {
 
 /// Flow of the vectors of a volume.
 std::shared_ptr<FlowModel::State> steady_flow(const VolumeModel& volume, const std::string& array, Progress& progress) {
-  const ArrayChoice choice = vectors_of(volume, array);
+  std::vector<Note> notes = volume.notes();
+  const ArrayChoice choice = vectors_of(volume, array, notes);
   const std::string &source = volume.name(), &vectors = choice.array;
   auto flow = std::make_shared<FlowModel::State>(FlowModel::State{
       .field = {}, .name = fmt::format("{} of {}", vectors, source), .source = source, .vectors = vectors});
-  flow->notes = volume.notes();
+  flow->notes = std::move(notes);
   with_name(source, [&] { check_speeds(dataset_of(volume).array(vectors)); });
   try {
     flow->field = volume_flow(volume.field(choice, progress, flow->notes));
@@ -105,7 +115,8 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
   for (const std::string& file : files)
     if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
   const VolumeModel volume = open_volume({files[0]}, of_volume, progress);
-  const ArrayChoice choice = vectors_of(volume, of_volume.array);
+  std::vector<Note> notes = volume.notes();
+  const ArrayChoice choice = vectors_of(volume, of_volume.array, notes);
   const DatasetArray array = dataset_of(volume).array(choice.array);
   with_name(volume.name(), [&] { check_speeds(array); });
   const std::string source = volume_name(files);
@@ -117,7 +128,7 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
                        .source = source,
                        .vectors = choice.array,
                        .unsteady = true});
-  flow->notes = volume.notes();
+  flow->notes = std::move(notes);
   FlowSeries series{files, of_volume.read, array, choice, {}, {}, dataset_of(volume).notes()};
   series.first.field = volume.field(choice, progress, flow->notes);
   series.first.bytes = volume.report().bytes;

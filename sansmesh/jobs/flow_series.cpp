@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dataset/joined_arrays.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/grids/read_volume.h"
@@ -64,6 +65,7 @@ class StepReader {
     Progress progress;
     try {
       GridData data = read_volumes({file}, options);
+      join_arrays(data, series_.array.name);
       keep_array(data, file, step);
       const std::vector<std::string> said = data.notes;
       VolumeDataset dataset(std::move(data));

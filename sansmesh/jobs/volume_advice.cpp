@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dataset/joined_arrays.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
@@ -12,15 +14,16 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Vector array for flows: the selected array if it has vectors, otherwise the first.
-const DatasetArray* flow_array(const VolumeDataset& dataset, const std::string& looked_at) {
-  const DatasetArray* found = nullptr;
+/// Vector array for flows: the selected array if it has vectors, otherwise the first, or vectors of separate
+/// components.
+std::optional<DatasetArray> flow_array(const VolumeDataset& dataset, const std::string& looked_at) {
+  std::optional<DatasetArray> found;
   for (const DatasetArray& a : dataset.arrays()) {
     if (a.components != 2 && a.components != 3) continue;
-    if (a.name == looked_at) return &a;
-    if (!found) found = &a;
+    if (a.name == looked_at) return a;
+    if (!found) found = a;
   }
-  return found;
+  return found ? found : joined_array(dataset.arrays(), vector_components(dataset.arrays()));
 }
 
 /// Seed line along the longer of the two axes perpendicular to the main flow.
@@ -68,7 +71,7 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
     const std::string& asked = volume.options().array;
     advice.array = vector ? of.name + ":magnitude" : asked.empty() ? of.name : asked;
     advice.value = vector ? mean_value(volume, samples->size()) : volume.middle_value();
-    if (const DatasetArray* const vectors = flow_array(dataset, of.name)) {
+    if (const std::optional<DatasetArray> vectors = flow_array(dataset, of.name)) {
       offer.vectors = true;
       advice.flow = vectors->name;
       advice.seeds = line_across(*samples, *vectors);

@@ -38,6 +38,7 @@ std::shared_ptr<VolumeModel::State> state_of(std::shared_ptr<VolumeDataset> data
   options.validate();
   const auto state = std::make_shared<VolumeModel::State>();
   state->dataset = std::move(dataset), state->name = std::move(name), state->options = options;
+  state->dataset->join(options.array);
   const VolumeDataset& of = *state->dataset;
   if (of.arrays().empty()) {
     if (options.bare && options.array.empty()) return state;
@@ -54,7 +55,8 @@ std::shared_ptr<VolumeModel::State> state_of(std::shared_ptr<VolumeDataset> data
 const OptionSchema& VolumeModelOptions::schema() {
   using O = VolumeModelOptions;
   static const OptionRow rows[] = {
-      option<&O::array>({.text = "Array, or a component of it: NAME, NAME:0, NAME:x, NAME:magnitude",
+      option<&O::array>({.text = "Array, a component of it, or components of vectors: NAME, NAME:0, NAME:x, "
+                                 "NAME:magnitude, NAME,NAME,NAME",
                          .unit = "name",
                          .from_data = "a scalar"}),
       option_group<&O::reconstruction>(VolumeReconstructionOptions::schema().rows),

@@ -71,6 +71,48 @@ TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
   EXPECT_NEAR(rows.back()[1], 1.5, 1e-9);
 }
 
+TEST_F(FlowLinesTool, ComponentsInSeparateArraysAreVectors) {
+  std::string grid =
+      "# vtk DataFile Version 3.0\nflow\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 9 9 9\nORIGIN -1 -1 -1\n"
+      "SPACING 0.25 0.25 0.25\nPOINT_DATA 729\n";
+  std::string x, y, z, vectors;
+  for (int k = 0; k < 9; ++k)
+    for (int j = 0; j < 9; ++j)
+      for (int i = 0; i < 9; ++i) {
+        const std::string a = std::to_string(1 - j / 4.0), b = std::to_string(i / 4.0 - 1),
+                          c = std::to_string(0.125 * k);
+        x += a + "\n", y += b + "\n", z += c + "\n", vectors += a + " " + b + " " + c + "\n";
+      }
+  const auto scalars = [](const std::string& name, const std::string& rows) {
+    return "SCALARS " + name + " float 1\nLOOKUP_TABLE default\n" + rows;
+  };
+  write("whole.vtk", grid + "VECTORS velocity float\n" + vectors);
+  write("parts.vtk", grid + scalars("rho", z) + scalars("vel_y", y) + scalars("vel_z", z) + scalars("vel_x", x) +
+                         scalars("mom_x", z) + scalars("mom_y", z) + scalars("mom_z", z));
+  const std::vector<std::string> traced = {"--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--duration", "1.5", "-o"};
+  const auto traced_to = [&](std::vector<std::string> arguments, const std::string& file) {
+    arguments.insert(arguments.end(), traced.begin(), traced.end());
+    arguments.push_back(path(file));
+    const Outcome outcome = lines(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.err;
+  };
+  traced_to({path("whole.vtk")}, "whole.csv");
+  // Velocities are found by their names; other arrays can be listed.
+  EXPECT_NE(traced_to({path("parts.vtk")}, "found.csv").find("vel_x,vel_y,vel_z"), std::string::npos);
+  EXPECT_EQ(slurp(path("found.csv")), slurp(path("whole.csv")));
+  traced_to({path("parts.vtk"), "--array", "vel_x,vel_y,rho"}, "listed.csv");
+  EXPECT_EQ(slurp(path("listed.csv")), slurp(path("whole.csv")));
+  traced_to({path("parts.vtk"), path("parts.vtk"), "--unsteady", "--times", "0,3"}, "steps.csv");
+  EXPECT_EQ(slurp(path("steps.csv")).substr(0, 40), slurp(path("whole.csv")).substr(0, 40));
+  const Outcome speed = run({"volume", "probe", path("parts.vtk"), "--array", "vel_x,vel_y,vel_z:magnitude", "--method",
+                             "linear", "--at", "0.5,0,0", "--json"});
+  ASSERT_EQ(speed.code, 0) << speed.err;
+  const auto wrong = lines({path("parts.vtk"), "--array", "vel_x,vel_y,vel_w", "-o", path("no.csv")});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("no array named 'vel_x,vel_y,vel_w'"), std::string::npos) << wrong.err;
+}
+
 TEST_F(FlowLinesTool, BothDirectionsMakeOneLine) {
   const Outcome outcome =
       lines({"saddle", "--seeds", "point(1,1,0)", "--direction", "both", "-o", path("l.csv"), "--json"});
