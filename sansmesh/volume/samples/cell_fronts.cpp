@@ -37,6 +37,8 @@ constexpr double kNearFronts = 0.1, kFarFronts = 0.25;
 constexpr double kManyFronts = 2;
 /// Least width of a front, in extents of its cell: less resolves no better.
 constexpr double kLeastFrontWidth = 0.15;
+/// Multiples of these limits from which another spread makes no front of a fit, which saves the fits of spreads.
+constexpr double kHopeless = 2, kHopelessParabola = 1.3;
 /// Width w of the step ½ (1 + tanh(s / w)) with the variance of two steps of half height at ± 1: √12 / π.
 constexpr double kWidthOfSpread = 1.1026577908435842;
 
@@ -77,6 +79,7 @@ class FrontFinder {
     const double size = extent(i, normal);
     FrontShape shape;
     if (!(size > 0) || !fit_front(stencil_cells_, normal, size, shape)) return none;
+    if (is_hopeless(shape, size) || !fit_spread(stencil_cells_, size, shape)) return none;
     return made(metric, shape, size, doubt);
   }
 
@@ -204,6 +207,12 @@ class FrontFinder {
     const double explained = right.dot(solver.solve(right));
     return std::isfinite(explained) ? std::sqrt(std::max(squares - explained, 0.0) / weights)
                                     : std::sqrt(squares / weights);
+  }
+
+  bool is_hopeless(const FrontShape& f, double size) const {
+    return !(std::abs(f.offset) < kHopeless * kOutsideCell * size) ||
+           !(f.deviation < kHopeless * kLargeDeviation * (f.high - f.low)) ||
+           !(f.deviation < kHopelessParabola * kLikeParabola * parabola_deviation(size));
   }
 
   CellFront made(const StarMetric& metric, const FrontShape& f, double size, double doubt) const {

@@ -113,6 +113,15 @@ double settled(const FrontCells& cells, double size, FrontShape& f, int steps) {
   return error;
 }
 
+/// Sets the deviation from the sum of squares. False if there is no front.
+bool with_deviation(const FrontCells& cells, double squares, FrontShape& front) {
+  if (!std::isfinite(squares) || !(front.high > front.low)) return false;
+  double weight = 0;
+  for (const auto& cell : cells.cells) weight += cell.weight;
+  front.deviation = std::sqrt(squares / weight);
+  return true;
+}
+
 }  // namespace
 
 ShareBehind share_behind(std::array<double, 4> v) {
@@ -163,7 +172,12 @@ bool fit_front(const FrontCells& cells, const Vec3& normal, double size, FrontSh
   }
   if (!std::isfinite(best)) return false;
   best = settled(cells, size, front, kFrontSteps);
+  return with_deviation(cells, best, front);
+}
+
+bool fit_spread(const FrontCells& cells, double size, FrontShape& front) {
   const FrontShape found = front;
+  double best = with_best_values(cells, size, front);
   for (const double spread : kSpreads) {
     if (spread == kSpreads[1]) continue;
     FrontShape f = found;
@@ -171,11 +185,7 @@ bool fit_front(const FrontCells& cells, const Vec3& normal, double size, FrontSh
     const double error = settled(cells, size, f, kFrontSteps / 2);
     if (error < best) best = error, front = f;
   }
-  if (!std::isfinite(best) || !(front.high > front.low)) return false;
-  double weight = 0;
-  for (const auto& cell : cells.cells) weight += cell.weight;
-  front.deviation = std::sqrt(best / weight);
-  return true;
+  return with_deviation(cells, best, front);
 }
 
 }  // namespace sansmesh::inline v1

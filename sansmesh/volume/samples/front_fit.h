@@ -41,8 +41,10 @@ ShareBehind share_behind(std::array<double, 4> values);
 /// The share of a cell behind the front.
 double share_behind(const FrontCells& cells, const FrontCells::Cell& cell, const FrontShape& front, double size);
 
-/// Fits a front whose values rise along `normal` (unit) to the cells; `size` is the extent of the middle cell along it.
-/// False if the means do not determine it.
+/// Fits a front of a fixed spread, whose values rise along `normal` (unit), to the cells; `size` is the extent of the
+/// middle cell along it. False if the means do not determine it.
 bool fit_front(const FrontCells& cells, const Vec3& normal, double size, FrontShape& front);
+/// Fits the spread, too. False as above.
+bool fit_spread(const FrontCells& cells, double size, FrontShape& front);
 
 }  // namespace sansmesh::inline v1
