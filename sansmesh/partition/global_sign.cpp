@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sansmesh/box.h"
@@ -88,7 +89,6 @@ void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const 
 constexpr float kWhole = 4 * std::numbers::pi_v<float>;
 /// Rough winding numbers decide if they differ by this from 1/2.
 constexpr float kClearWinding = 0.25f;
-
 }  // namespace
 
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
@@ -101,9 +101,9 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
 
 void GlobalSign::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
   std::fill(signs.begin(), signs.end(), 0.0f);
-  if (empty()) return;
+  if (empty() || open_) return;
   for_each_batch(
-      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, n, b); },
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, false, n, b); },
       [&](std::size_t i, const FarBatch& b, std::size_t k) {
         const float over = b.sum[0][k] / kWhole - 0.5f;
         if (std::abs(over) > kClearWinding) signs[i] = over > 0 ? -1.0f : 1.0f;
@@ -139,6 +139,27 @@ void open_value(const FarBatch& batch, std::size_t i, bool gradient, float ratio
 }
 
 }  // namespace
+
+void GlobalSign::rough_distance(std::span<const Vec3f> x, std::span<float> values, std::span<float> most) const {
+  std::fill(values.begin(), values.end(), 0.0f);
+  std::fill(most.begin(), most.end(), std::numeric_limits<float>::infinity());
+  if (empty() || !open_) return;
+  FarBatch batch;
+  float ratio[FarBatch::kBatch];
+  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
+    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
+    fill_batch(x.subspan(first, n), unit_, ratio, batch);
+    sum_roughly(tree_, true, n, batch);
+    for (std::size_t i = 0; i < n; ++i) {
+      FarValue f;
+      float in_units = 0;
+      open_value(batch, i, false, ratio[i], unit_, f, in_units);
+      if (!(batch.sum[2][i] > 0)) continue;
+      values[first + i] = f.value;
+      most[first + i] = batch.sum[1][i] / batch.sum[2][i] * ratio[i] * unit_;
+    }
+  }
+}
 
 void GlobalSign::far_values(std::span<const Vec3f> x, bool gradient, std::span<FarValue> values) const {
   std::fill(values.begin(), values.end(), FarValue{});

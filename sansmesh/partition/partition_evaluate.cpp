@@ -247,6 +247,10 @@ namespace {
 
 constexpr float kNoWeight = 1e-24f;  // below, the sums of weights are only rounding
 
+/// Error of rough distances of open sheets, over the largest that it could be (GlobalSign::rough_distance), that leaves
+/// no doubt about a sign.
+constexpr float kRoughError = 0.3f;
+
 /// Destination of values and gradients.
 struct Output {
   std::span<double> values;
@@ -270,40 +274,80 @@ struct FarQueries {
   std::vector<Near> near;
   std::vector<float> values;
 
-  /// Puts the supports' value where the far field's sign is easily found and the same, or only the sign if no support
-  /// reaches the point; and removes these points.
-  void take_easy(const FarField& field, const Output& out) {
-    values.resize(x.size());
-    field.easy_signs(x, values);
+  /// Removes the points that `take` accepts by their index.
+  template <class Take>
+  void take_out(const Take& take) {
     std::size_t kept = 0;
-    for (std::size_t j = 0; j < x.size(); ++j) {
-      const bool reached = near[j].weight > 0;
-      if (values[j] != 0 && (!reached || (near[j].value < 0) == (values[j] < 0))) {
-        out.put(near[j].at, reached ? near[j].value : values[j], {});
-        out.sized[near[j].at] = reached;
-      } else {
-        x[kept] = x[j], near[kept++] = near[j];
-      }
-    }
+    for (std::size_t j = 0; j < x.size(); ++j)
+      if (!take(j)) x[kept] = x[j], near[kept++] = near[j];
     x.resize(kept), near.resize(kept);
   }
 };
 
-/// Share of the supports by their weight over that from which the far field has none, and its derivative: a smooth
-/// step.
-struct Step {
+/// Share of the supports by their weight, and its derivative.
+struct NearShare {
   float share, slope;
-  explicit Step(float t) : share(t * t * (3 - 2 * t)), slope(6 * t * (1 - t)) {}
+
+  /// Linear in the depth, except at both ends.
+  explicit NearShare(float weight) {
+    constexpr float kRise = 1 / (kFade - kRound);
+    const float root = std::sqrt(std::sqrt(weight)), outward = std::sqrt(1 - root), depth = 1 - outward;
+    const float first = std::min(depth, kRound), last = std::min(kFade - depth, kRound);
+    share = kRise * (depth - 0.5f * kRound);
+    if (depth < kRound) share = kRise * 0.5f * first * first / kRound;
+    if (depth > kFade - kRound) share = 1 - kRise * 0.5f * last * last / kRound;
+    // ∇depth = ∇root / (2 outward), ∇root = root ∇w / (4 w)
+    slope = kRise * std::min(first, last) / kRound * root / (8 * weight * outward);
+  }
+  /// A smooth step in the weight over `plain`, from which on the far field has no share.
+  NearShare(float weight, float plain) {
+    const float t = weight / plain;
+    share = t * t * (3 - 2 * t), slope = 6 * t * (1 - t) / plain;
+  }
 };
+
+/// Puts the supports' value where the far field's sign is easily found and the same, or only the sign if no support
+/// reaches the point; and removes these points.
+void take_easy_signs(const FarField& field, FarQueries& far, const Output& out) {
+  far.values.resize(far.x.size());
+  field.easy_signs(far.x, far.values);
+  far.take_out([&](std::size_t j) {
+    const FarQueries::Near& near = far.near[j];
+    const bool reached = near.weight > 0;
+    if (far.values[j] == 0 || (reached && (near.value < 0) != (far.values[j] < 0))) return false;
+    out.put(near.at, reached ? near.value : far.values[j], {});
+    out.sized[near.at] = reached;
+    return true;
+  });
+}
+
+/// Puts the blend with the rough far field of open sheets, where the error of the latter leaves no doubt about the
+/// sign; and removes these points.
+void take_rough(const FarField& field, FarQueries& far, float plain, const Output& out) {
+  std::vector<float> most(far.x.size());
+  far.values.resize(far.x.size());
+  field.open.rough_distance(far.x, far.values, most);
+  far.take_out([&](std::size_t j) {
+    const FarQueries::Near& near = far.near[j];
+    const float weight = near.weight;
+    const float share = weight <= 0 ? 0 : (plain > 0 ? NearShare(weight, plain) : NearShare(weight)).share;
+    const float value = far.values[j] + share * (near.value - far.values[j]);
+    if (!(std::abs(value) > kRoughError * (1 - share) * most[j])) return false;
+    out.put(near.at, value, {});
+    return true;
+  });
+}
 
 /// `plain`: weight from which the far field has no share in a plain blend; 0 for the default blend.
 void hand_over(const FarField& field, FarQueries& far, float plain, const Output& out) {
   const bool gradient = !out.gradients.empty();
-  if (!out.sized.empty()) far.take_easy(field, out);
+  if (!out.sized.empty()) {
+    if (field.open.empty()) take_easy_signs(field, far, out);
+    if (field.closed.empty()) take_rough(field, far, plain, out);
+  }
   far.values.resize(far.x.size());
   far.gradients.resize(gradient ? far.x.size() : 0);
   field.signed_distance(far.x, far.values, far.gradients);
-  constexpr float kRise = 1 / (kFade - kRound);
   for (std::size_t j = 0; j < far.x.size(); ++j) {
     const FarQueries::Near& near = far.near[j];
     const Vec3f far_gradient = gradient ? far.gradients[j] : Vec3f{};
@@ -311,24 +355,11 @@ void hand_over(const FarField& field, FarQueries& far, float plain, const Output
       out.put(near.at, far.values[j], far_gradient);
       continue;
     }
-    if (plain > 0) {
-      const Step step(near.weight / plain);
-      const float away = near.value - far.values[j];
-      out.put(near.at, far.values[j] + step.share * away,
-              far_gradient + (near.gradient - far_gradient) * step.share +
-                  near.weight_gradient * (step.slope / plain * away));
-      continue;
-    }
-    const float root = std::sqrt(std::sqrt(near.weight)), outward = std::sqrt(1 - root), depth = 1 - outward;
-    const float first = std::min(depth, kRound), last = std::min(kFade - depth, kRound);
-    float share = kRise * (depth - 0.5f * kRound);
-    if (depth < kRound) share = kRise * 0.5f * first * first / kRound;
-    if (depth > kFade - kRound) share = 1 - kRise * 0.5f * last * last / kRound;
+    const NearShare near_share = plain > 0 ? NearShare(near.weight, plain) : NearShare(near.weight);
     const float apart = near.value - far.values[j];
-    // ∇depth = ∇root / (2 outward), ∇root = root ∇w / (4 w)
-    const float slope = kRise * std::min(first, last) / kRound * root / (8 * near.weight * outward);
-    out.put(near.at, far.values[j] + share * apart,
-            far_gradient + (near.gradient - far_gradient) * share + near.weight_gradient * (slope * apart));
+    out.put(near.at, far.values[j] + near_share.share * apart,
+            far_gradient + (near.gradient - far_gradient) * near_share.share +
+                near.weight_gradient * (near_share.slope * apart));
   }
   far.x.clear(), far.near.clear();
 }
