@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "sansmesh/mesh/mesh_closest.h"
@@ -27,18 +28,23 @@ HandleEvidence::HandleEvidence(const TriangleMesh& mesh, const PointSet& points,
     : mesh_(mesh),
       points_(points),
       samples_(samples),
-      vertices_(mesh.vertices),
       shift_(mesh.origin - points.origin),
       spacing_(spacing),
-      noise_(noise) {}
+      noise_(noise),
+      spacing_of_(points.size(), -1) {}
 
 double HandleEvidence::spacing_at(const Vec3& x) const {
   const auto nearest = samples_.nearest(Vec3f(x + shift_));
   if (!nearest) return spacing_;
+  const std::atomic_ref<double> known(spacing_of_[nearest->index]);
+  if (const double found = known.load(std::memory_order_relaxed); found >= 0) return found;
   std::array<Neighbour, kLocalNeighbours> around;
   const std::size_t count = samples_.nearest(points_.positions[nearest->index], around);
-  if (count < around.size()) return spacing_;
-  return local_spacing(static_cast<double>(around.back().squared_distance), spacing_);
+  const double local = count < around.size()
+                           ? spacing_
+                           : local_spacing(static_cast<double>(around.back().squared_distance), spacing_);
+  known.store(local, std::memory_order_relaxed);
+  return local;
 }
 
 double HandleEvidence::narrow_width(const Vec3& x) const {
@@ -116,8 +122,9 @@ double HandleEvidence::support(const HandleClasses& classes, const HandleLoop& l
 
 std::vector<std::uint32_t> HandleEvidence::triangles_around(const HandleClasses& classes, const Vec3& center,
                                                             double radius) const {
+  if (!vertices_) vertices_.emplace(mesh_.vertices);
   std::vector<Neighbour> near;
-  vertices_.within(Vec3f(center), static_cast<float>(radius), near);
+  vertices_->within(Vec3f(center), static_cast<float>(radius), near);
   std::vector<std::uint32_t> around;
   const VertexCorners& corners = classes.corners();
   for (const Neighbour& v : near)

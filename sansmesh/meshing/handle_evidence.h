@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sansmesh/mesh/repair/cut_handles.h"
@@ -14,11 +15,14 @@
 namespace sansmesh::inline v1::detail {
 
 /// Compares a mesh with its samples before and after a cut. The misfit of a sample is its distance to the mesh,
-/// increased by the angle between the normals, up to a reach of about a spacing. Queries are thread-safe.
+/// increased by the angle between the normals, up to a reach of about a spacing. Queries but `change` are thread-safe.
 class HandleEvidence {
  public:
   /// Lengths in the unit of the mesh. `samples` are those of `points`. All three must outlive the object.
   HandleEvidence(const TriangleMesh& mesh, const PointSet& points, const KdTree& samples, double spacing, double noise);
+
+  /// Must be called after changes of the mesh.
+  void mesh_changed() { vertices_.reset(); }
 
   /// Whether there are samples with normals.
   bool known() const { return points_.normals.size() == points_.size() && samples_.size() > 0; }
@@ -60,9 +64,10 @@ class HandleEvidence {
   const TriangleMesh& mesh_;
   const PointSet& points_;
   const KdTree& samples_;
-  KdTree vertices_;
+  mutable std::optional<KdTree> vertices_;  ///< of the mesh, once a change needs it
   Vec3 shift_;  ///< from the mesh's coordinates to the samples'
   double spacing_, noise_;
+  mutable std::vector<double> spacing_of_;  ///< local spacing at each sample; negative until a query needs it
 };
 
 }  // namespace sansmesh::inline v1::detail

@@ -151,22 +151,26 @@ std::vector<HandleCut> choose_cuts(const TriangleMesh& mesh, const HandleClasses
 NarrowHandles close_handles(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, bool close) {
   NarrowHandles result;
   std::optional<KdTree> samples;
+  std::optional<HandleEvidence> evidence;
   for (int round = 0;; ++round) {
     const HandleClasses classes(mesh);
     result.genus = classes.genus();
     result.narrow = 0;
     if (result.genus == 0) return result;
-    if (!samples) samples.emplace(points.positions);
-    const HandleEvidence evidence(mesh, points, *samples, spacing, noise);
-    close = close && evidence.known() && round < kMostRounds;
+    if (!samples) {
+      samples.emplace(points.positions);
+      evidence.emplace(mesh, points, *samples, spacing, noise);
+    }
+    close = close && evidence->known() && round < kMostRounds;
     const std::vector<HandleCut> cuts =
-        close ? choose_cuts(mesh, classes, evidence, true, result) : std::vector<HandleCut>{};
+        close ? choose_cuts(mesh, classes, *evidence, true, result) : std::vector<HandleCut>{};
     if (cuts.empty()) {
       result.narrow = 0;
-      choose_cuts(mesh, classes, evidence, false, result);
+      choose_cuts(mesh, classes, *evidence, false, result);
       break;
     }
     apply_cuts(mesh, cuts);
+    evidence->mesh_changed();
     result.closed += cuts.size();
     close = static_cast<double>(cuts.size()) >= kWorthwhile * static_cast<double>(result.narrow);
   }

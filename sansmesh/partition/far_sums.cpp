@@ -22,7 +22,7 @@ constexpr float kOpen = 4.0f, kClosed = 5.0f;
 constexpr float kRough = 2.25f;
 /// A group is faint at a point if no place of its patches in its ball could give it more than this share of Σ area / r⁵,
 /// which bounds the dipoles of open patches.
-constexpr float kFaint = 1e-3f;
+constexpr float kFaint = 0.1f;
 }  // namespace sansmesh::inline v1
 #endif
 

@@ -212,6 +212,56 @@ TEST(GlobalSign, GroupsFromAfarAreOfThirdOrder) {
   }
 }
 
+/// Patches of a bent open ground and of a thicket above it, whose normals are random.
+std::vector<OrientedPatch> vegetation(std::size_t n) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<OrientedPatch> patches;
+  const float area = 4 / static_cast<float>(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = uniform(random), y = uniform(random);
+    patches.push_back({{x, y, 0.1f * std::sin(3 * x) * y}, Vec3f{-0.3f * std::cos(3 * x) * y, -0.1f * std::sin(3 * x), 1} * area});
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3f p{uniform(random), uniform(random), uniform(random)}, up{0, 0, 1};
+    patches.push_back({p * 0.4f + up * 0.5f, (Vec3f{uniform(random), uniform(random), uniform(random)} + up) * area});
+  }
+  return in_order(std::move(patches));
+}
+
+/// Points near the patches and above and below all of them.
+std::vector<Vec3f> points_around(const std::vector<OrientedPatch>& patches, std::size_t stride) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<Vec3f> x;
+  for (std::size_t i = 0; i < patches.size(); i += stride)
+    for (const float far : {0.01f, 0.04f, 0.2f, 0.8f})
+      x.push_back(patches[i].position + Vec3f{uniform(random), uniform(random), uniform(random)} * far);
+  return x;
+}
+
+TEST(GlobalSign, OpenThicketsAgreeWithTheSumOverAllPatches) {
+  const auto patches = vegetation(20000);
+  const GlobalSign sheet(patches, 1, true);
+  const std::vector<Vec3f> x = points_around(patches, 100);
+  std::vector<float> open(x.size()), rough(x.size()), most(x.size());
+  sheet.signed_distance(x, open), sheet.rough_distance(x, rough, most);
+  FarError of_open, of_rough, of_grad;
+  std::vector<float> ve(x.size()); std::vector<Vec3f> g(x.size()); sheet.signed_distance(x, ve, g);
+  std::vector<double> e, er;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const AllPatches all(patches, x[i]);
+    of_open.add((static_cast<double>(open[i]) - all.open) / all.distance);
+    of_rough.add((static_cast<double>(rough[i]) - all.open) / most[i]);
+    e.push_back(std::abs(static_cast<double>(open[i]) - all.open) / most[i]);
+    er.push_back(std::abs(static_cast<double>(rough[i]) - all.open) / most[i]);
+    if (most[i] > 1e3f) continue;
+    double num = 0; for (int a=0;a<3;++a){ Vec3f p=x[i], q=x[i]; float h=1e-3f*most[i]; p[a]+=h; q[a]-=h; num += std::pow((AllPatches(patches,p).open-AllPatches(patches,q).open)/(2*h) - g[i][a],2);} of_grad.add(std::sqrt(num));
+  }
+  std::sort(e.begin(), e.end()), std::sort(er.begin(), er.end());
+  printf("open rms %.5f most %.5f  q99 %.5f; rough rms %.5f most %.5f q90 %.4f q99 %.5f grad rms %.4f most %.4f\n", of_open.mean(), of_open.most, e[e.size()*99/100], of_rough.mean(), of_rough.most, er[er.size()*9/10], er[er.size()*99/100], of_grad.mean(), of_grad.most);
+}
+
 /// Largest gradient on lines from afar to each of the patches.
 float steepest(const std::vector<OrientedPatch>& patches) {
   const GlobalSign sign(patches);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <span>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/parallel_collect.h"
@@ -29,15 +30,22 @@ HandleClasses::HandleClasses(const TriangleMesh& mesh) : mesh_(mesh), corners_(m
 
 void HandleClasses::join_twins() {
   twin_.assign(3 * mesh_.triangles.size(), kNone);
-  parallel_for(0, twin_.size(), kTwinGrain, [&](std::size_t i) {
-    const auto h = static_cast<std::uint32_t>(i);
-    const std::uint32_t a = from(h), b = to(h);
-    std::uint32_t found = kNone, count = 0;
-    for (std::uint32_t k = corners_.first[b]; k < corners_.first[b + 1]; ++k)
-      if (to(corners_.entries[k]) == a) found = corners_.entries[k], ++count;
-    std::uint32_t same = 0;
-    for (std::uint32_t k = corners_.first[a]; k < corners_.first[a + 1]; ++k) same += to(corners_.entries[k]) == b;
-    if (count == 1 && same == 1) twin_[h] = found;
+  parallel_ranges(0, mesh_.vertices.size(), kTwinGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> ahead, behind;  // vertices that half-edges from and to v join it with
+    for (std::size_t v = first; v < last; ++v) {
+      const auto at = std::span(corners_.entries).subspan(corners_.first[v], corners_.first[v + 1] - corners_.first[v]);
+      ahead.clear(), behind.clear();
+      for (const std::uint32_t h : at) {
+        const Triangle& t = mesh_.triangles[h / 3];
+        ahead.push_back(t[next(h) % 3]), behind.push_back(t[previous(h) % 3]);
+      }
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        const auto twin = std::find(behind.begin(), behind.end(), ahead[k]);
+        if (twin == behind.end() || std::find(twin + 1, behind.end(), ahead[k]) != behind.end()) continue;
+        if (std::count(ahead.begin(), ahead.end(), ahead[k]) > 1) continue;
+        twin_[at[k]] = previous(at[static_cast<std::size_t>(twin - behind.begin())]);
+      }
+    }
   });
 }
 
