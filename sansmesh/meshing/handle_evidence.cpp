@@ -40,9 +40,8 @@ double HandleEvidence::spacing_at(const Vec3& x) const {
   if (const double found = known.load(std::memory_order_relaxed); found >= 0) return found;
   std::array<Neighbour, kLocalNeighbours> around;
   const std::size_t count = samples_.nearest(points_.positions[nearest->index], around);
-  const double local = count < around.size()
-                           ? spacing_
-                           : local_spacing(static_cast<double>(around.back().squared_distance), spacing_);
+  const double local =
+      count < around.size() ? spacing_ : local_spacing(static_cast<double>(around.back().squared_distance), spacing_);
   known.store(local, std::memory_order_relaxed);
   return local;
 }

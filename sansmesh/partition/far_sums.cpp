@@ -20,8 +20,8 @@ namespace sansmesh::inline v1 {
 constexpr float kOpen = 4.0f, kClosed = 5.0f;
 /// The same for rough sums, without a transition.
 constexpr float kRough = 2.25f;
-/// A group is faint at a point if no place of its patches in its ball could give it more than this share of Σ area / r⁵,
-/// which bounds the dipoles of open patches.
+/// A group is faint at a point if no place of its patches in its ball could give it more than this share of Σ area /
+/// r⁵, which bounds the dipoles of open patches.
 constexpr float kFaint = 0.1f;
 }  // namespace sansmesh::inline v1
 #endif
@@ -187,7 +187,7 @@ inline float LeastPull(const FarTree& tree, float x, float y, float z) {
     const FarTree::Octet& o = tree.levels[level][octet];
     const hn::CappedTag<float, n> d;
     for (std::size_t k = 0; k < n; k += hn::Lanes(d)) {
-      const auto at = [&](const float (&row)[n]) HWY_ATTR { return hn::LoadU(d, row + k); };
+      const auto at = [&](const float(&row)[n]) HWY_ATTR { return hn::LoadU(d, row + k); };
       const auto u = hn::Sub(at(o.x), hn::Set(d, x)), v = hn::Sub(at(o.y), hn::Set(d, y)),
                  w = hn::Sub(at(o.z), hn::Set(d, z));
       const auto square = pn::MulAdd(u, u, pn::MulAdd(v, v, hn::Mul(w, w))), zero = hn::Zero(d);

@@ -20,8 +20,8 @@ enum class FarSums { winding, closed, open };
 /// number has none.
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch);
 
-/// Computes FarBatch::sum[0] roughly, of a winding number or of open patches: a group beyond 1.5 of its radius counts as
-/// one patch. Of open ones sum[1] is Σ area / r⁵, the most that sum[0] could be, and sum[2] Σ area / r⁶.
+/// Computes FarBatch::sum[0] roughly, of a winding number or of open patches: a group beyond 1.5 of its radius counts
+/// as one patch. Of open ones sum[1] is Σ area / r⁵, the most that sum[0] could be, and sum[2] Σ area / r⁶.
 void sum_roughly(const FarTree& tree, bool open, std::size_t count, FarBatch& batch);
 
 }  // namespace sansmesh::inline v1

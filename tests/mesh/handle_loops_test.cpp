@@ -56,6 +56,26 @@ TEST(HandleClasses, CountHandlesOfAllComponents) {
   EXPECT_EQ(HandleClasses(open).genus(), 1u);
 }
 
+TEST(HandleClasses, TwinsAreTheOnlyOppositeHalfEdges) {
+  TriangleMesh mesh = torus_mesh(24, 12);
+  mesh.triangles.erase(mesh.triangles.begin() + 50);
+  std::swap(mesh.triangles[100][0], mesh.triangles[100][1]);                                      // turned over
+  mesh.triangles.push_back({mesh.triangles[7][0], mesh.triangles[7][1], mesh.triangles[30][2]});  // a third face
+  const HandleClasses classes(mesh);
+  std::size_t none = 0;
+  for (std::uint32_t h = 0; h < 3 * mesh.triangles.size(); ++h) {
+    std::vector<std::uint32_t> same, opposite;
+    for (std::uint32_t other = 0; other < 3 * mesh.triangles.size(); ++other) {
+      if (classes.from(other) == classes.from(h) && classes.to(other) == classes.to(h)) same.push_back(other);
+      if (classes.from(other) == classes.to(h) && classes.to(other) == classes.from(h)) opposite.push_back(other);
+    }
+    const bool paired = same.size() == 1 && opposite.size() == 1;
+    EXPECT_EQ(classes.twin(h), paired ? opposite[0] : HandleClasses::kNone) << h;
+    none += !paired;
+  }
+  EXPECT_GT(none, 3u);
+}
+
 TEST(HandleClasses, LeaveOutComponentsThatAreNoSurfaces) {
   TriangleMesh mesh = test::joined(torus_mesh(24, 12), torus_mesh(24, 12), {5, 0, 0});
   const Triangle t = mesh.triangles[10];

@@ -114,7 +114,7 @@ TEST(PartitionOfUnity, SignsAreThoseOfTheValues) {
   PartitionOptions options;
   EXPECT_GT(check_signs(fit_cloud(test::torus(20000), options)), 0.5);
   // A ball with a wide hole, closed by the far field alone; and the same as an open sheet, of which all values are
-  // exact.
+  // known, roughly where they are large.
   PointSet bowl = test::sphere(20000), kept;
   for (std::size_t i = 0; i < bowl.size(); ++i)
     if (bowl.positions[i].z < 0.5f)
@@ -123,6 +123,46 @@ TEST(PartitionOfUnity, SignsAreThoseOfTheValues) {
   EXPECT_GT(check_signs(fit_cloud(kept, options)), 0.5);
   options.open = true;
   EXPECT_EQ(check_signs(fit_cloud(kept, options)), 0);
+}
+
+TEST(PartitionOfUnity, SignsOfOpenThicketsAreThoseOfTheValues) {
+  // Noisy ground below overlapping balls with noisy normals, as in scans of vegetation.
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  PointSet cloud;
+  for (int i = 0; i < 12000; ++i) {
+    const float x = unit(generator), y = unit(generator);
+    cloud.positions.push_back({x, y, 0.1f * std::sin(3 * x) + 0.002f * unit(generator)});
+    cloud.normals.push_back(normalized(Vec3f{unit(generator), unit(generator), 3}));
+  }
+  for (int ball = 0; ball < 60; ++ball) {
+    const Vec3f center{0.6f * unit(generator), 0.6f * unit(generator), 0.6f + 0.2f * unit(generator)};
+    for (int i = 0; i < 200; ++i) {
+      const Vec3f up = normalized(Vec3f{unit(generator), unit(generator), unit(generator)});
+      cloud.positions.push_back(center + up * 0.12f);
+      cloud.normals.push_back(normalized(up + Vec3f{unit(generator), unit(generator), unit(generator)} * 0.3f));
+    }
+  }
+  PartitionOptions options;
+  options.open = true;
+  const PartitionOfUnity field = fit_cloud(cloud, options);
+  std::vector<Vec3> x(20000);
+  std::uniform_real_distribution<double> wide(-1.2, 1.2);
+  for (Vec3& p : x) p = {wide(generator), wide(generator), wide(generator)};
+  std::vector<double> exact(x.size()), found(x.size());
+  std::vector<std::uint8_t> sized(x.size());
+  field.evaluate(x, exact);
+  field.evaluate_signs(x, found, sized);
+  std::size_t wrong = 0, rough = 0, off = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    wrong += (found[i] < 0) != (exact[i] < 0);
+    rough += found[i] != exact[i];
+    EXPECT_EQ(sized[i], 1);
+    off += std::abs(exact[i]) < 0.05 && std::abs(found[i] - exact[i]) > 0.2 * std::abs(exact[i]);
+  }
+  EXPECT_LE(wrong, x.size() / 2000);
+  EXPECT_LE(off, x.size() / 1000);
+  EXPECT_GT(rough, x.size() / 4);
 }
 
 TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
