@@ -64,7 +64,7 @@ class HandleEvidence {
   const TriangleMesh& mesh_;
   const PointSet& points_;
   const KdTree& samples_;
-  mutable std::optional<KdTree> vertices_;  ///< of the mesh, once a change needs it
+  mutable std::optional<KdTree> vertices_;  ///< tree of the mesh, made by the first query
   Vec3 shift_;                              ///< from the mesh's coordinates to the samples'
   double spacing_, noise_;
   mutable std::vector<double> spacing_of_;  ///< local spacing at each sample; negative until a query needs it

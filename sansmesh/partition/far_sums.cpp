@@ -239,7 +239,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   hn::Store(one, d, shares[0]);
   if (kGradient)
     for (float* lane : slopes[0]) hn::Store(zero, d, lane);
-  V limit = zero;  // of area / (r − radius)⁵, up to which a group is faint
+  V limit = zero;  // bound of area / (r − radius)⁵ for faint groups
   if (kSums == FarSums::open) {
     HWY_ALIGN float least[kLanes];
     for (std::size_t i = 0; i < hn::Lanes(d); ++i)
