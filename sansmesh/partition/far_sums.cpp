@@ -142,6 +142,13 @@ HWY_INLINE void GroupWeights(const FarView<D>& at, const FarTree::Moments& momen
 }
 
 /// Adds the terms of a source with the points' shares in it.
+template <bool kGradient, FarSums kSums, class D, class V = hn::Vec<D>>
+HWY_INLINE void GroupTerms(const FarView<D>& at, const FarTree::Moments& moments, FarTerms<V>& found) {
+  const V u[3] = {hn::Mul(at.step[0], at.root), hn::Mul(at.step[1], at.root), hn::Mul(at.step[2], at.root)};
+  GroupDipole<kGradient, kSums>(at, moments, u, found);
+  if (kSums != FarSums::winding) GroupWeights<kGradient, kSums>(at, moments, u, found);
+}
+
 template <bool kGradient, FarSums kSums, class V>
 HWY_INLINE void AddTerms(const FarTerms<V>& found, const V& share, const V (&share_slope)[3], FarTerms<V>& sum) {
   for (std::size_t m = 0; m < 3; ++m) {
@@ -214,6 +221,15 @@ inline float LeastPull(const FarTree& tree, float x, float y, float z) {
   return most;
 }
 
+/// Bound of area / (r − radius)⁵ of faint groups.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V FaintLimit(D d, const FarTree& tree, const FarBatch& batch, std::size_t begin) {
+  HWY_ALIGN float least[16];
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i)
+    least[i] = kFaint * LeastPull(tree, batch.x[0][begin + i], batch.x[1][begin + i], batch.x[2][begin + i]);
+  return hn::Load(d, least);
+}
+
 /// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ for open ones), Σ area / r⁴, Σ area / r⁶ (and
 /// their gradients if kGradient), as selected by kSums. A group is approximated beyond about twice its radius; near
 /// that distance it blends smoothly into its members, so that the sums are continuous. All points traverse the tree
@@ -239,13 +255,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   hn::Store(one, d, shares[0]);
   if (kGradient)
     for (float* lane : slopes[0]) hn::Store(zero, d, lane);
-  V limit = zero;  // bound of area / (r − radius)⁵ for faint groups
-  if (kSums == FarSums::open) {
-    HWY_ALIGN float least[kLanes];
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-      least[i] = kFaint * LeastPull(tree, batch.x[0][begin + i], batch.x[1][begin + i], batch.x[2][begin + i]);
-    limit = hn::Load(d, least);
-  }
+  const V limit = kSums == FarSums::open ? FaintLimit(d, tree, batch, begin) : zero;
   while (top > 0) {
     const Item item = stack[--top];
     const FarTree::Octet& o = tree.levels[item.level][item.octet];
@@ -297,14 +307,10 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
       }
       r2 = hn::IfThenElse(hn::Gt(share, zero), hn::Max(r2, hn::Set(d, 1e-12f)), one);
       at.root = pn::ReciprocalSqrt(r2);
-      if (item.level == 0) {
+      if (item.level == 0)
         PatchTerms<kGradient, kSums>(at, found);
-      } else {
-        const FarTree::Moments& moments = tree.moments[item.level - 1][item.octet];
-        const V u[3] = {hn::Mul(at.step[0], at.root), hn::Mul(at.step[1], at.root), hn::Mul(at.step[2], at.root)};
-        GroupDipole<kGradient, kSums>(at, moments, u, found);
-        if (kSums != FarSums::winding) GroupWeights<kGradient, kSums>(at, moments, u, found);
-      }
+      else
+        GroupTerms<kGradient, kSums>(at, tree.moments[item.level - 1][item.octet], found);
       AddTerms<kGradient, kSums>(found, share, share_slope, sum);
     }
   }
