@@ -23,7 +23,8 @@ enum class CellValues : std::uint8_t {
 /// without a method only `smoothing`, `cell_values` and `logarithm` may be set.
 struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
-  std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
+  /// Highest degree of polynomials: mls, mls-detail: 0..4; lagrange: 1..5; amls: 0..2, with 0 for values alone.
+  std::optional<int> degree = {};
   std::optional<int> iterations = {};      ///< amls: number of iterations that add residuals, 0..100
   std::optional<double> epsilon = {};      ///< amls: shape parameter ε, 0.05..10; smaller is smoother
   std::optional<int> order = {};           ///< amls: 2, 4 or 6
@@ -32,6 +33,9 @@ struct SANSMESH_API VolumeReconstructionOptions {
   /// lattices (uniform and rectilinear grids): their supports follow the steps.
   std::optional<bool> spherical = {};
   std::optional<bool> robust = {};  ///< mls-detail: robust weights that keep steps between materials sharp
+  /// mls, mls-detail: whether the field passes through the (smoothed) samples. Otherwise it is the polynomial as
+  /// printed in the thesis, without its residuals and without linear interpolation where it is doubtful.
+  std::optional<bool> interpolate = {};
   double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; the default is Catmull–Rom
   /// All methods: factor of the estimated noise by which the samples are smoothed first; 0: samples are used as they
   /// are. Default: 1 if noise is found.

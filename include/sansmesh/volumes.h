@@ -142,6 +142,8 @@ struct SANSMESH_API VolumeUse {
   std::vector<std::string> notes;  ///< notes on the values
   double smoothing = 0;            ///< factor of the noise by which the samples were smoothed; 0: not smoothed
   double noise = 0;                ///< deviation of the noise (unit of the array), if the samples were smoothed
+  std::optional<bool> logarithm = {};          ///< whether the logarithm is reconstructed, once a field is made
+  std::optional<CellValues> cell_values = {};  ///< meaning of values in cells, once a field is made
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -269,7 +271,7 @@ struct SANSMESH_API SmoothVolumeReport {
 struct SmoothVolumeResult {
   std::shared_ptr<const SampledVolume> samples;  ///< samples, cells, and only the smoothed arrays
   SmoothVolumeReport report;                     ///< noise of each array
-  std::vector<Note> notes;                       ///< "no_noise": no array was changed
+  std::vector<Note> notes;  ///< "no_noise": no array was changed; "too_many": noise was found, but not smoothed
 };
 
 /// Smooths the samples by what their noise asks for and keeps steps. Throws ArgumentError if options of a
@@ -277,11 +279,16 @@ struct SmoothVolumeResult {
 SANSMESH_API SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOptions& options,
                                               Progress& progress);
 
+/// Throws FileError or ArgumentError, before any work, if write_smoothed() cannot write the results of these options
+/// to `file`.
+SANSMESH_API void check_smoothed_writable(const std::string& file, const VolumeModel& volume,
+                                          const SmoothVolumeOptions& options, Progress& progress);
+
 /// Noise of each array as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const SmoothVolumeReport& report);
 
-/// Writes smoothed samples: .vtu (any grid), .vti, .mhd, .mha or .nrrd (uniform grids with values at points). Throws
-/// FileError, ArgumentError for other grids.
+/// Writes smoothed samples: .vtu (any grid), .vti (uniform grids with values at points), .mhd, .mha or .nrrd (such grids
+/// with one array). Throws FileError, ArgumentError for other grids and for more arrays.
 SANSMESH_API void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed);
 
 // ---- Fitting -----------------------------------------------------------------------------------------------------

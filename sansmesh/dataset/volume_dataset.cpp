@@ -11,6 +11,7 @@
 #include "sansmesh/dataset/joined_arrays.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/volume_component.h"
+#include "sansmesh/volume/smoothed_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -70,7 +71,7 @@ bool is_held(const FittedVolume& fitted, const std::string& array, const VolumeR
   if (!asked.method) return true;
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
          same(asked.epsilon, held.epsilon) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
-         same(asked.robust, held.robust) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&
+         same(asked.robust, held.robust) && same(asked.interpolate.value_or(true), held.interpolate.value_or(true)) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&
          asked.b == held.b && asked.c == held.c;
 }
 
@@ -176,6 +177,13 @@ std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progr
   return volume;
 }
 
+const SampleNoise& VolumeDataset::noise(const std::string& array, const VolumeValues& values, Progress& progress) {
+  auto found = noise_.find(array);
+  if (found == noise_.end())
+    found = noise_.emplace(array, noise_of_values(*volume(array, progress), values, progress)).first;
+  return found->second;
+}
+
 std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice,
                                                         const VolumeReconstructionOptions& options, Progress& progress,
                                                         VolumeReconstructionReport* report) {
@@ -197,12 +205,23 @@ std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array
                                                         ReconstructionCoefficients& kept) {
   options.validate();
   const auto samples = volume(array, progress);
-  if (!fitted_ || !is_held(*fitted_, array, options))
-    return reconstruct_volume(samples, array, options, progress, &report, &kept);
+  const auto noise = noise_.find(array);
+  const SampleNoise* const known = noise == noise_.end() ? nullptr : &noise->second;
+  if (!fitted_ || array != fitted_->array)
+    return reconstruct_volume(samples, array, options, progress, &report, &kept, known);
+  // Neither noise nor smoothed samples depend on the method.
+  const bool held = is_held(*fitted_, array, options);
+  VolumeReconstructionOptions used = options;
+  if (!options.smoothing || options.smoothing == fitted_->chosen.smoothing) {
+    used.smoothing = fitted_->chosen.smoothing;
+    kept.smoothed = fitted_->coefficients.smoothed, kept.noise = fitted_->coefficients.noise;
+  }
+  if (!held) return reconstruct_volume(samples, array, used, progress, &report, &kept, known);
   kept = fitted_->coefficients;
   // Coefficients belong to the options chosen; without coefficients the method chooses again from the same data.
-  return reconstruct_volume(samples, array, kept.empty() ? fitted_->options : fitted_->chosen, progress, &report,
-                            &kept);
+  used = kept.empty() ? fitted_->options : fitted_->chosen;
+  used.smoothing = fitted_->chosen.smoothing;
+  return reconstruct_volume(samples, array, used, progress, &report, &kept, known);
 }
 
 FittedVolume VolumeDataset::fit(const std::string& array, const VolumeReconstructionOptions& options, bool all,
@@ -211,6 +230,7 @@ FittedVolume VolumeDataset::fit(const std::string& array, const VolumeReconstruc
   VolumeReconstructionReport own;
   VolumeReconstructionReport& r = report ? *report : own;
   FittedVolume result;
+  result.coefficients.keep_smoothed = true;
   reconstruct(array, options, progress, r, result.coefficients);
   result.volume = volume(array, progress);
   result.array = array;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,9 @@ class VolumeDataset {
   /// The samples of the array.
   std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
 
+  /// The noise of an array, estimated at the first call. `values`: volume_values() of it.
+  const SampleNoise& noise(const std::string& array, const VolumeValues& values, Progress& progress);
+
   /// The reconstruction of an array, or of the selected part of it. Throws as reconstruct_volume. The default method is
   /// that of a fitted volume's reconstruction, otherwise choose_reconstruction selects one. If the request matches the
   /// fitted reconstruction (the same method and array, and equal values of all options set), there is no fit, and the
@@ -77,6 +81,7 @@ class VolumeDataset {
   std::size_t default_ = 0;
   std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;
   std::optional<FittedVolume> fitted_;
+  std::map<std::string, SampleNoise> noise_;  ///< of the arrays examined so far
 };
 
 }  // namespace sansmesh::inline v1

@@ -64,6 +64,7 @@ Json json_of(const VolumeReconstructionOptions& o) {
           {"radius", json_if(o.radius)},
           {"robust", json_if(o.robust)},
           {"spherical", json_if(o.spherical)},
+          {"interpolate", json_if(o.interpolate)},
           {"b", o.b},
           {"c", o.c},
           {"smoothing", json_if(o.smoothing)},
@@ -95,6 +96,7 @@ VolumeReconstructionOptions reconstruction_of(const ReadJson& json) {
   };
   if (const auto centres = flag("centres")) o.cell_values = *centres ? CellValues::centres : CellValues::means;
   o.logarithm = flag("logarithm");
+  o.interpolate = flag("interpolate");
   o.b = real_of(json.at("b"));
   o.c = real_of(json.at("c"));
   // Samples of older files were used as they are.
@@ -286,6 +288,13 @@ void check_fitted(const FittedVolume& fitted) {
   if (volume_method(*fitted.chosen.method).fits == fitted.coefficients.empty())
     throw DataError("its coefficients are not those of its reconstruction");
   if (!fitted.coefficients.empty()) fitted.coefficients.check(*fitted.volume, array.components, *fitted.chosen.method);
+  const SharedArray<double>& smoothed = fitted.coefficients.smoothed;
+  if (smoothed.empty()) return;
+  if (smoothed.size() != fitted.volume->size() * array.components)
+    throw DataError("its smoothed samples are not as many as its samples");
+  if (!std::all_of(smoothed.begin(), smoothed.end(), [](double v) { return std::isfinite(v); }))
+    throw DataError("a smoothed sample is not finite");
+  if (!(fitted.chosen.smoothing > 0)) throw DataError("it has smoothed samples without smoothing");
 }
 
 void add_samples(const SampledVolume& volume, std::vector<FileSection>& sections) {
@@ -348,6 +357,7 @@ void write_volume_file(const std::string& file, const FittedVolume& fitted) {
        {{"array", printable(fitted.array)}, {"options", json_of(fitted.options)}, {"chosen", json_of(fitted.chosen)}}},
       {"notes", notes}};
   if (!fitted.coefficients.scales.empty()) json["reconstruction"]["scales"] = fitted.coefficients.scales;
+  if (!fitted.coefficients.smoothed.empty()) json["reconstruction"]["noise"] = fitted.coefficients.noise;
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   std::vector<FileSection> sections{{"META", 1, text}};
   std::vector<double> lattice;
@@ -371,6 +381,8 @@ void write_volume_file(const std::string& file, const FittedVolume& fitted) {
                attribute->values);
   }
   if (!fitted.coefficients.empty()) add_coefficients(fitted.coefficients, sections);
+  if (!fitted.coefficients.smoothed.empty())
+    sections.push_back(section_of("SMOOTHED", fitted.coefficients.smoothed.view()));
   write_sections(file, sections, kVolumeSections);
 }
 
@@ -400,6 +412,10 @@ FittedVolume read_volume_file(const SectionFile& file) {
     const DatasetArray& array = reconstructed(fitted);
     fitted.volume = samples_of(file, json, fitted.arrays);
     if (file.has("COEFF")) fitted.coefficients = coefficients_of(file, array.components);
+    if (file.has("SMOOTHED")) {
+      fitted.coefficients.smoothed = file.array<double>("SMOOTHED");
+      fitted.coefficients.noise = real_of(reconstruction.at("noise"));
+    }
     if (reconstruction.contains("scales"))
       for (const ReadJson& s : reconstruction.at("scales")) fitted.coefficients.scales.push_back(real_of(s));
     if (fitted.options.method != fitted.chosen.method) throw DataError("it has two methods");

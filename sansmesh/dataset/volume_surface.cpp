@@ -83,6 +83,17 @@ LayerSamples layer_of(const std::vector<WeightedSample>& chosen, const SampledVo
   return layer;
 }
 
+/// Share of smoothed values where noise moves isosurfaces by this many spacings.
+double smoothed_share(double moved) {
+  constexpr double kNone = 0.25, kAll = (kMostWidth - kWidth) / kWiden;
+  return std::clamp((moved - kNone) / (kAll - kNone), 0.0, 1.0);
+}
+
+std::vector<double> between(std::span<const double> values, std::vector<double> smoothed, double share) {
+  for (std::size_t i = 0; i < values.size(); ++i) smoothed[i] = values[i] + share * (smoothed[i] - values[i]);
+  return smoothed;
+}
+
 }  // namespace
 
 struct VolumeSurface::State {
@@ -102,7 +113,8 @@ struct VolumeSurface::State {
 };
 
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
-                                  double noise, const VolumeSurfaceOptions& options, Progress& progress) {
+                                  double noise, const VolumeSurfaceOptions& options, Progress& progress,
+                                  const std::function<std::vector<double>()>& smoothed) {
   options.validate();
   auto state = std::make_unique<VolumeSurface::State>();
   VolumeSurfaceReport& r = state->report;
@@ -122,6 +134,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   const std::vector<WeightedSample> chosen =
       iso ? isovalue_layer(slopes, relative.values, noise / range, relative.options, r, progress)
           : high_gradient_layer(samples, slopes, noise / range, relative.options, r, progress);
+  if (const double share = smoothed ? smoothed_share(r.noise_distance / samples.facts.median_spacing) : 0; share > 0)
+    return make_volume_surface(volume, between(values, smoothed(), share), noise, options, progress);
   r.slope *= range, r.least_gradient *= range, r.beta = iso ? options.beta : r.beta;
   if (std::none_of(chosen.begin(), chosen.end(), [](const WeightedSample& c) { return c.ball; }))
     throw DataError(iso ? fmt::format("has no sample near enough to the value {:.6g}", options.value)

@@ -133,6 +133,7 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
   series.first.field = volume.field(choice, progress, flow->notes);
   series.first.bytes = volume.report().bytes;
   series.method = volume.report().options;
+  series.method.smoothing = of_volume.reconstruction.smoothing;  // noise differs from step to step
   const FlowStepReader reader = flow_step_reader(std::move(series));
   flow->step_notes = reader.notes;
   FlowSeriesOptions kept;

@@ -12,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Choices made at the first step, which apply to all.
+/// Choices made at the first step, which apply to all; without a given `smoothing` each step is smoothed by its noise.
 struct FlowSeries {
   std::vector<std::string> files;  ///< one file per step, or a single file with all steps
   VolumeReadOptions read;

@@ -9,6 +9,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/grids/write_cells.h"
 #include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/io/names.h"
@@ -76,7 +77,25 @@ void write_as_cells(const std::string& file, const SampledVolume& volume) {
   write_cells(file, volume.corners, volume.cells, {}, volume.attributes.taken(volume.cell_sample));
 }
 
+/// Images hold uniform grids with values at points.
+void check_image(const SampledVolume& volume) {
+  check_argument(volume.lattice && volume.lattice->uniform && !volume.in_cells,
+                 "images hold uniform grids with values at points: write other grids to a .vtu");
+}
+
 }  // namespace
+
+void check_smoothed_writable(const std::string& file, const VolumeModel& volume, const SmoothVolumeOptions& options,
+                             Progress& progress) {
+  const std::string e = io::ending(file);
+  if (e == "vtu") return check_writable(file, "text");
+  check_volume_writable(file);
+  check_image(*volume.samples(progress));
+  const std::size_t arrays = arrays_to_smooth(volume, options.all_arrays).size() * (options.deviations ? 2 : 1);
+  if (e != "vti" && arrays > 1)
+    throw ArgumentError(fmt::format("`{}`: a .{} holds one array, not {}: choose .vti or .vtu",
+                                    options.deviations ? "deviations" : "all_arrays", e, arrays));
+}
 
 SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOptions& options, Progress& progress) {
   VolumeReconstructionOptions by = volume.options().reconstruction;
@@ -88,16 +107,21 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
   auto result = std::make_shared<SampledVolume>(*samples);
   SmoothVolumeResult smoothed;
   result->attributes.clear();
-  bool changed = false;
+  bool changed = false, too_many = false;
   for (const std::string& name : arrays_to_smooth(volume, options.all_arrays)) {
-    SmoothedValues smooth = with_name(
-        volume.name(), [&] { return smoothed_values(*samples, volume_values(*samples, name), factor, progress); });
+    SmoothedValues smooth = with_name(volume.name(), [&] {
+      VolumeValues values = volume_values(*samples, name);
+      const bool asked = factor && *factor == 0;
+      const SampleNoise* const noise = asked ? nullptr : &dataset_of(volume).noise(name, values, progress);
+      return smoothed_values(*samples, std::move(values), factor, progress, noise);
+    });
     const std::size_t components = smooth.values.components;
     // Missing values were filled in for the fits only.
     for (const std::uint32_t s : smooth.values.filled)
       for (std::size_t m = 0; m < components; ++m)
         smooth.values.values[s * components + m] = std::numeric_limits<double>::quiet_NaN();
-    changed = changed || smooth.smoothing > 0;
+    changed = changed || (smooth.smoothing > 0 && smooth.noise > 0);
+    too_many = too_many || smooth.too_many;
     if (smooth.smoothing > 0)
       result->attributes.set(name, std::move(smooth.values.values), components);
     else
@@ -108,10 +132,17 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
     }
     smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise});
   }
-  if (!changed)
+  if (too_many)
+    smoothed.notes.push_back({.code = "too_many",
+                              .text = fmt::format("noise was found, but {} take minutes to smooth: values are unchanged",
+                                                  counted(samples->size(), "sample")),
+                              .remedy = "`smoothing` 1 smooths them",
+                              .severity = Note::Severity::warning,
+                              .of = volume.name()});
+  else if (!changed)
     smoothed.notes.push_back({.code = "no_noise",
                               .text = "no noise was found: the values are unchanged",
-                              .remedy = "`smoothing` 1 smooths by the largest noise that there may be",
+                              .remedy = factor.value_or(0) > 0 ? "" : "`smoothing` 1 smooths by the largest noise that there may be",
                               .severity = Note::Severity::information,
                               .of = volume.name()});
   smoothed.report.samples = samples->size();
@@ -122,8 +153,9 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
 void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed) {
   const SampledVolume& volume = *smoothed.samples;
   if (io::ending(file) == "vtu") return write_as_cells(file, volume);
-  check_argument(volume.lattice && volume.lattice->uniform && !volume.in_cells,
-                 "images hold uniform grids with values at points: write other grids to a .vtu");
+  check_image(volume);
+  check_argument(io::ending(file) == "vti" || volume.attributes.size() == 1,
+                 "images other than .vti hold one array: choose .vti or .vtu");
   GridBlock block;
   block.kind = GridKind::lattice;
   block.axes = volume.lattice->axes, block.origin = volume.lattice->origin;
@@ -135,11 +167,16 @@ void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed)
 std::vector<std::string> summary_of(const SmoothVolumeReport& report) {
   std::vector<std::string> lines;
   lines.reserve(report.arrays.size());
-  for (const SmoothedArray& a : report.arrays)
-    lines.push_back(a.smoothing > 0
-                        ? fmt::format("{}: noise of {:.3g}{}", printable(a.name, 60), a.noise,
-                                      a.smoothing == 1 ? "" : fmt::format(", smoothed by {:g} times that", a.smoothing))
-                        : fmt::format("{}: no noise found, unchanged", printable(a.name, 60)));
+  for (const SmoothedArray& a : report.arrays) {
+    const std::string name = printable(a.name, 60);
+    if (a.noise == 0)
+      lines.push_back(name + ": no noise found, unchanged");
+    else if (a.smoothing == 0)
+      lines.push_back(fmt::format("{}: noise of {:.3g}, unchanged", name, a.noise));
+    else
+      lines.push_back(fmt::format("{}: noise of {:.3g}{}", name, a.noise,
+                                  a.smoothing == 1 ? "" : fmt::format(", smoothed by {:g} times that", a.smoothing)));
+  }
   return lines;
 }
 

@@ -9,9 +9,10 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/mesh_volume_surface.h"
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume/smoothed_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -19,10 +20,9 @@ namespace {
 using Kind = VolumeSurfaceOptions::Kind;
 
 /// One finite value per sample: of a component, or lengths of vectors.
-std::vector<double> scalar_values(const SampledVolume& samples, const ArrayChoice& choice) {
-  const VolumeValues all = volume_values(samples, choice.array);
+std::vector<double> scalar_values(const VolumeValues& all, const ArrayChoice& choice) {
   if (all.components == 1) return all.values;
-  std::vector<double> values(samples.size());
+  std::vector<double> values(all.values.size() / all.components);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::span<const double> v = all.of(i);
     values[i] = choice.component ? v[*choice.component] : vector_length(v);
@@ -30,9 +30,11 @@ std::vector<double> scalar_values(const SampledVolume& samples, const ArrayChoic
   return values;
 }
 
-/// Standard deviation of noise: the residual of local parabolas, if that of planes is no larger; 0 for resolved
-/// volumes.
-double noise_of_values(const VolumeTraits& traits) { return traits.resolved() ? 0 : traits.noise * traits.range; }
+/// Standard deviation of the noise that was found, which what remains of it is correlated with: surfaces need widths for
+/// all of it. Otherwise the residual of local parabolas, if that of planes is no larger; 0 for resolved volumes.
+double noise_of_surface(const VolumeTraits& traits) {
+  return traits.resolved() && !traits.noisy ? 0 : traits.noise * traits.range;
+}
 
 }  // namespace
 
@@ -60,8 +62,14 @@ SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolu
   const auto samples = volume.samples(progress);
   const VolumeTraits& traits = volume.traits(progress);
   auto surface = std::make_shared<const VolumeSurface>(with_name(volume.name(), [&] {
-    return make_volume_surface(samples, scalar_values(*samples, volume.choice()), noise_of_values(traits), own,
-                               progress);
+    const VolumeValues values = volume_values(*samples, volume.choice().array);
+    const auto smoothed = [&] {
+      const SampleNoise& noise = dataset_of(volume).noise(volume.choice().array, values, progress);
+      const auto& factor = volume.options().reconstruction.smoothing;
+      return scalar_values(smoothed_values(*samples, values, factor, progress, &noise).values, volume.choice());
+    };
+    return make_volume_surface(samples, scalar_values(values, volume.choice()), noise_of_surface(traits), own, progress,
+                               smoothed);
   }));
   SurfaceInVolume result{surface, surface->report(), own.value, volume.name(), {}};
   if (!samples->lattice && traits.resolved())

@@ -10,6 +10,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/volume/smoothed_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -96,6 +97,9 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
   if (!offer.values)
     return {fmt::format("{}, {} ({}), no arrays", counted(facts.points, "point"), counted(facts.cells, "cell"),
                         facts.grid)};
+  const char* const then = !t.noisy                        ? ""
+                           : smoothed_unasked(t.samples) ? ", smoothed first"
+                                                         : ", smoothed only on request";
   return {fmt::format("{} of {} ({}{})", counted(t.samples, "sample"), advice.array, facts.grid,
                       offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""),
           fmt::format(
@@ -104,7 +108,7 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
               share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
               share_words(t.left_out[3])),
           fmt::format("  noise {}{} of the range{}; steps at {} of the samples", t.noisy ? "" : "at most ",
-                      share_words(t.noise), t.noisy ? ", smoothed first" : "", share_words(t.steps)),
+                      share_words(t.noise), then, share_words(t.steps)),
           titled("reconstruction", fmt::format("{}, since it is {}", offer.recommended.method, offer.recommended.why))};
 }
 

@@ -7,6 +7,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/volume/smoothed_values.h"
 
 namespace sansmesh::inline v1 {
 
@@ -174,7 +175,9 @@ std::vector<std::string> summary_of(const VolumeInfo& made) {
                               made.times.back()));
   for (const AttributeInfo& array : made.arrays) line("array", array_words(array));
   if (made.noise)
-    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, smoothed by reconstructions", *made.noise) : "none found");
+    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, smoothed by reconstructions{}", *made.noise,
+                                                smoothed_unasked(made.samples) ? "" : " only on request")
+                                  : "none found");
   if (made.fitted) add_fitted(*made.fitted, lines);
   return lines;
 }

@@ -155,7 +155,9 @@ const VolumeTraits& VolumeModel::traits(Progress& progress) const {
   const auto volume = samples(progress);
   s.traits = with_name(s.name, [&] {
     s.dataset->default_array();  // checks that there is one
-    return measure_volume_traits(*volume, volume_values(*volume, s.choice.array), progress);
+    const VolumeValues values = volume_values(*volume, s.choice.array);
+    const SampleNoise& noise = s.dataset->noise(s.choice.array, values, progress);
+    return measure_volume_traits(*volume, values, noise, progress);
   });
   s.recommended = choose_reconstruction(*volume, *s.traits);
   return *s.traits;
@@ -255,7 +257,9 @@ VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
           .grid = samples->facts.grid,
           .notes = report.notes,
           .smoothing = report.options.smoothing.value_or(0),
-          .noise = report.noise};
+          .noise = report.noise,
+          .logarithm = report.options.logarithm,
+          .cell_values = report.options.cell_values};
 }
 
 std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress) {
@@ -285,7 +289,11 @@ const ReportSchema& VolumeUse::schema() {
       reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0, r.smoothing); }>(
           {.name = "smoothing", .text = "Factor of the noise by which the samples were smoothed first"}),
       reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0, r.noise); }>(
-          {.name = "noise", .text = "Deviation of the noise of the samples", .unit = "value"})};
+          {.name = "noise", .text = "Deviation of the noise of the samples", .unit = "value"}),
+      reported<&VolumeUse::logarithm>({.text = "Whether the logarithm is reconstructed, once a field is made"}),
+      reported<[](const VolumeUse& r) {
+        return value_if(r.cell_values.has_value(), std::string(r.cell_values == CellValues::means ? "means" : "centres"));
+      }>({.name = "cell_values", .text = "Meaning of values in cells: means or centres"})};
   return report_schema<rows>();
 }
 

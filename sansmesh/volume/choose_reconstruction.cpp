@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "sansmesh/volume/smoothed_values.h"
+
 namespace sansmesh::inline v1 {
 namespace {
 
@@ -13,16 +15,17 @@ constexpr std::size_t kLargeGrid = 20'000'000;
 }  // namespace
 
 VolumeReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
+  const char* const then = smoothed_unasked(volume.size()) ? "which is smoothed first"
+                                                           : "which only `smoothing` smooths, since there are so many";
   const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
   if (traits.noisy && volume.size() <= (volume.lattice ? kLargeLattice : kLargeGrid))
-    return {"mls-detail", fmt::format("a {} with noise ({} of the range), which is smoothed first: local polynomials "
-                                      "gain most",
-                                      volume.lattice ? "lattice" : "grid", percent(traits.noise))};
+    return {"mls-detail", fmt::format("a {} with noise ({} of the range), {}: local polynomials gain most",
+                                      volume.lattice ? "lattice" : "grid", percent(traits.noise), then)};
   if (volume.lattice) {
     if (traits.noisy)
-      return {"cubic", fmt::format("a large lattice with noise ({} of the range), which is smoothed first: cubics "
-                                   "through its samples are smooth and quick",
-                                   percent(traits.noise))};
+      return {"cubic", fmt::format("a large lattice with noise ({} of the range), {}: cubics through its samples are "
+                                   "smooth and quick",
+                                   percent(traits.noise), then)};
     if (!traits.resolved())
       return {
           "cubic",

@@ -28,8 +28,8 @@ void check_options(const VolumeReconstructionOptions& options, const VolumeMetho
     return o == "method" || o == "smoothing" || o == "cell_values" || o == "logarithm";
   });
   check_used(set, method.uses, set, fmt::format("the reconstruction {}", method.name));
-  const bool lagrange = method.name == "lagrange";
-  if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
+  const bool lagrange = method.name == "lagrange", amls = method.name == "amls";
+  if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : amls ? 2 : 4);
 }
 
 template <class... Arrays>
@@ -81,6 +81,30 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
                   printable(values.name, 60), most, rest, method));
 }
 
+/// Smooths the values, or takes smoothed ones from the coefficients of a fit; whether noise was found.
+bool smooth_values(const SampledVolume& volume, VolumeValues& values, const std::optional<double>& factor,
+                   const SampleNoise* noise, ReconstructionCoefficients& used, VolumeReconstructionReport& r,
+                   Progress& progress) {
+  if (!used.smoothed.empty()) {
+    values.values = used.smoothed.copy();
+    r.options.smoothing = factor.value_or(1), r.noise = used.noise;
+    return true;
+  }
+  SmoothedValues smooth = smoothed_values(volume, std::move(values), factor, progress, noise);
+  values = std::move(smooth.values);
+  r.options.smoothing = smooth.smoothing;
+  r.noise = smooth.noise;
+  if (used.keep_smoothed && smooth.smoothing > 0) {
+    used.smoothed = std::vector<double>(values.values);
+    used.noise = smooth.noise;
+  }
+  if (smooth.too_many)
+    r.notes.push_back(
+        fmt::format("noise of {:.3g} was found, but {} samples take minutes to smooth (`smoothing` 1 does)",
+                    smooth.noise, volume.size()));
+  return smooth.smoothing > 0 && smooth.found;
+}
+
 /// Whether the logarithm is reconstructed: as requested, as in a fit, or as the data ask for.
 bool uses_logarithm(const SampledVolume& volume, const VolumeValues& values, const VolumeReconstructionOptions& options,
                     const VolumeMethod& method, bool fitted) {
@@ -103,7 +127,7 @@ std::unique_ptr<VolumeField> exponential_field(const VolumeMethod& method, Recon
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const VolumeReconstructionOptions& options, Progress& progress,
                                                 VolumeReconstructionReport* report,
-                                                ReconstructionCoefficients* coefficients) {
+                                                ReconstructionCoefficients* coefficients, const SampleNoise* noise) {
   options.validate();
   if (options.method) check_options(options, volume_method(*options.method));
   VolumeReconstructionReport own;
@@ -111,25 +135,20 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   r = {};
   r.options = options;
   VolumeValues values = volume_values(*volume, array);
+  SampleNoise own_noise;
   if (!options.method) {
+    if (!noise) own_noise = noise_of_values(*volume, values, progress), noise = &own_noise;
     VolumeReconstructionChoice recommended =
-        choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+        choose_reconstruction(*volume, measure_volume_traits(*volume, values, *noise, progress));
     r.options.method = std::move(recommended.method), r.why = std::move(recommended.why);
   }
   const VolumeMethod& method = volume_method(*r.options.method);
   if (!values.filled.empty())
     r.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                   values.filled.size(), volume->size()));
-  SmoothedValues smooth = smoothed_values(*volume, std::move(values), options.smoothing, progress);
-  values = std::move(smooth.values);
-  r.options.smoothing = smooth.smoothing;
-  r.noise = smooth.noise;
-  if (smooth.too_many)
-    r.notes.push_back(
-        fmt::format("noise of {:.3g} was found, but {} samples take minutes to smooth (`smoothing` 1 does)",
-                    smooth.noise, volume->size()));
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
+  const bool noisy = smooth_values(*volume, values, options.smoothing, noise, used, r, progress);
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
   if (r.options.cell_values && !volume->in_cells)
     throw ArgumentError("`cell_values` is for arrays of cells: this one has values at points");
@@ -141,7 +160,7 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
     if (const std::vector<double> scales = value_scales(values); !options.logarithm && !scales.empty())
       check_not_lost(values, scales[0], method.name);
     std::unique_ptr<VolumeField> field =
-        exponential_field(method, {std::move(volume), std::move(values), r.options, progress, r, used});
+        exponential_field(method, {std::move(volume), std::move(values), r.options, progress, r, used, false, noisy});
     r.bytes = bytes + bytes_of_coefficients(used);
     return field;
   }
@@ -150,7 +169,7 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);
   std::unique_ptr<VolumeField> field =
-      method.make({std::move(volume), std::move(values), r.options, progress, r, used});
+      method.make({std::move(volume), std::move(values), r.options, progress, r, used, false, noisy});
   if (!used.empty()) used.scales = factors;
   r.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;

@@ -12,14 +12,20 @@
 
 namespace sansmesh::inline v1 {
 
-/// Only mls-detail and amls have coefficients; other methods are quick to set up from the values. Immutable arrays in
+/// Only mls-detail and amls have polynomials; other methods are quick to set up from the values. Immutable arrays in
 /// memory or in a mapped file.
 struct ReconstructionCoefficients {
   LocalPolynomials polynomials;  ///< for amls with the iterated constants
   SharedArray<float> radii;      ///< support radii in the local metrics; empty where cells are blended
   /// Powers of two that scaled the values before the fit, one per component; empty: not scaled.
   std::vector<double> scales;
+  /// Samples after smoothing (unit of the array, all components of each), so that they need not be smoothed again; empty
+  /// if they are not smoothed.
+  SharedArray<double> smoothed;
+  double noise = 0;            ///< deviation of the noise that was smoothed (of the component with most)
+  bool keep_smoothed = false;  ///< asks a fit for `smoothed`
 
+  /// Whether there are no polynomials.
   bool empty() const { return polynomials.size() == 0; }
   /// Number of polynomials of each degree, 0 to 4; empty without polynomials.
   std::vector<std::size_t> by_degree() const;

@@ -22,6 +22,7 @@ struct ReconstructionInput {
   /// Methods with coefficients store them here, or use those present instead of a fit.
   ReconstructionCoefficients& coefficients;
   bool logarithm = false;  ///< the values are logarithms of the array's
+  bool noisy = false;      ///< the values had noise, which was smoothed
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,36 +1,125 @@
 #include "sansmesh/volume/smoothed_values.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
-#include "sansmesh/volume/samples/sample_noise.h"
 #include "sansmesh/volume/samples/smooth_samples.h"
 #include "sansmesh/volume/samples/star_metric.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Samples that are smoothed without being asked to: more take minutes.
 constexpr std::size_t kMostUnasked = 4'000'000;
+
+/// The layer of a lattice that repeats it, so that both copies of a sample do not count as two.
+class SingleLayer {
+ public:
+  SingleLayer(const SampledVolume& volume, const VolumeValues& values) {
+    if (!volume.lattice) return;
+    const auto& axes = volume.lattice->axes;
+    for (std::size_t k = 0; k < 3; ++k) size_[k] = axes[k].size();
+    const std::array<std::size_t, 3> step{1, size_[0], size_[0] * size_[1]};
+    std::array<bool, 3> copies{};
+    for (std::size_t k = 0; k < 3; ++k) copies[k] = size_[k] == 2 && is_copied(values, step[k]);
+    if (copies == std::array<bool, 3>{}) return;
+    layer_.emplace();
+    layer_->lattice = volume.lattice, layer_->in_cells = volume.in_cells;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (copies[k]) layer_->lattice->axes[k].resize(1);
+    values_.name = values.name, values_.components = values.components;
+    for (std::size_t i = 0; i < volume.size(); ++i) {
+      const std::size_t of = index_in_layer(i);
+      if (of * values.components == values_.values.size()) {
+        const auto own = values.of(i);
+        values_.values.insert(values_.values.end(), own.begin(), own.end());
+      }
+    }
+    for (const std::uint32_t i : values.filled)
+      if (const std::size_t of = index_in_layer(i); values_.filled.empty() || values_.filled.back() < of)
+        values_.filled.push_back(static_cast<std::uint32_t>(of));
+  }
+
+  const SampledVolume* volume() const { return layer_ ? &*layer_ : nullptr; }
+  const VolumeValues& values() const { return values_; }
+
+  /// Numbers of the layer's samples, repeated.
+  template <class T>
+  std::vector<T> repeated(const std::vector<T>& numbers) const {
+    const std::size_t c = values_.components, n = size_[0] * size_[1] * size_[2];
+    std::vector<T> result(n * c);
+    for (std::size_t i = 0; i < n; ++i) std::copy_n(numbers.begin() + begin_of(i, c), c, result.begin() + at(i * c));
+    return result;
+  }
+
+ private:
+  static std::ptrdiff_t at(std::size_t i) { return static_cast<std::ptrdiff_t>(i); }
+  std::ptrdiff_t begin_of(std::size_t sample, std::size_t c) const { return at(index_in_layer(sample) * c); }
+
+  bool is_copied(const VolumeValues& values, std::size_t step) const {
+    const std::size_t c = values.components, n = size_[0] * size_[1] * size_[2];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i / step % 2 != 0) continue;
+      for (std::size_t m = 0; m < c; ++m)
+        if (values.values[i * c + m] != values.values[(i + step) * c + m]) return false;
+    }
+    return true;
+  }
+
+  /// Samples of the first copies come first in each row of the numbering.
+  std::size_t index_in_layer(std::size_t sample) const {
+    std::size_t index = 0, step = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = sample % size_[k], size = layer_->lattice->axes[k].size();
+      index += std::min(i, size - 1) * step;
+      step *= size, sample /= size_[k];
+    }
+    return index;
+  }
+
+  std::array<std::size_t, 3> size_{};
+  std::optional<SampledVolume> layer_;
+  VolumeValues values_;
+};
+
+std::vector<StarMetric> metrics_of(const SampledVolume& volume) {
+  return volume.lattice ? std::vector<StarMetric>() : star_metrics(volume);
+}
 
 }  // namespace
 
+bool smoothed_unasked(std::size_t samples) { return samples <= kMostUnasked; }
+
+SampleNoise noise_of_values(const SampledVolume& volume, const VolumeValues& values, Progress& progress) {
+  const SingleLayer layer(volume, values);
+  if (layer.volume()) return noise_of_values(*layer.volume(), layer.values(), progress);
+  const std::vector<double> scales = value_scales(values);
+  if (scales.empty()) return estimate_noise(volume, values, metrics_of(volume), progress);
+  return estimate_noise(volume, scaled_values(values, scales), metrics_of(volume), progress).scaled(1 / scales[0]);
+}
+
 SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values, std::optional<double> factor,
-                               Progress& progress) {
+                               Progress& progress, const SampleNoise* known) {
   SmoothedValues result;
   result.values = std::move(values);
   if (factor && *factor == 0) return result;
-  const std::vector<double> scales = value_scales(result.values);
-  const VolumeValues scaled = scaled_values(result.values, scales);
-  const std::vector<StarMetric> metrics = volume.lattice ? std::vector<StarMetric>() : star_metrics(volume);
-  const SampleNoise noise = estimate_noise(volume, scaled, metrics, progress);
-  result.too_many = !factor && noise.found && volume.size() > kMostUnasked;
+  const SampleNoise noise = known ? *known : noise_of_values(volume, result.values, progress);
+  result.found = noise.found;
+  result.too_many = !factor && noise.found && !smoothed_unasked(volume.size());
   result.smoothing = factor.value_or(noise.found && !result.too_many ? 1 : 0);
   if (result.smoothing == 0 && !result.too_many) return result;
-  const double unit = scales.empty() ? 1 : 1 / scales[0];
-  result.noise = unit * *std::max_element(noise.typical.begin(), noise.typical.end());
+  result.noise = *std::max_element(noise.typical.begin(), noise.typical.end());
   if (result.too_many) return result;
-  SmoothedSamples smooth = smooth_samples(volume, scaled, metrics, noise, result.smoothing, progress);
+  if (const SingleLayer layer(volume, result.values); layer.volume()) {
+    const SmoothedValues smooth = smoothed_values(*layer.volume(), layer.values(), result.smoothing, progress, &noise);
+    result.values.values = layer.repeated(smooth.values.values);
+    result.deviations = layer.repeated(smooth.deviations);
+    return result;
+  }
+  const std::vector<double> scales = value_scales(result.values);
+  const double scale = scales.empty() ? 1 : scales[0], unit = 1 / scale;
+  SmoothedSamples smooth = smooth_samples(volume, scaled_values(result.values, scales), metrics_of(volume),
+                                          noise.scaled(scale), result.smoothing, progress);
   if (!scales.empty())
     for (double& v : smooth.values) v *= unit;
   result.values.values = std::move(smooth.values);

@@ -22,7 +22,7 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
   static const OptionRow rows[] = {
       option<&O::method, Words>(
           {.text = method, .from_data = "from grid, resolution and noise", .choices = Words::names()}),
-      option<&O::degree>({.text = "Highest degree of polynomials: 0..4 for mls and mls-detail, 1..5 for lagrange",
+      option<&O::degree>({.text = "Highest degree of polynomials: 0..4 for mls and mls-detail, 0..2 for amls, 1..5 for lagrange",
                           .unit = "degree",
                           .range = {.least = 0, .most = 5},
                           .needs = "method"}),
@@ -40,6 +40,9 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
       option<&O::radius>({.text = radius, .range = {.least = 1, .most = 10}, .needs = "method"}),
       option<&O::robust>(
           {.text = "Robust weights that keep steps between materials sharp (mls-detail)", .needs = "method"}),
+      option<&O::interpolate>({.text = "Pass through the samples (mls, mls-detail)",
+                               .from_data = "on",
+                               .needs = "method"}),
       option<&O::b>({.text = "B of the BC family (cubic)", .range = {.least = 0, .most = 1}, .needs = "method"}),
       option<&O::c>({.text = "C of the BC family (cubic); 0.5 with B = 0 is Catmull–Rom",
                      .range = {.least = 0, .most = 1},

@@ -9,8 +9,6 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/volume/samples/sample_noise.h"
-#include "sansmesh/volume/samples/star_metric.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -123,13 +121,15 @@ double range_of(const VolumeValues& values) {
 
 }  // namespace
 
-VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValues& values, Progress& progress) {
+VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValues& values, const SampleNoise& noise,
+                                   Progress& progress) {
   VolumeTraits t;
   t.samples = volume.size();
   t.range = range_of(values);
   if (!(t.range > 0)) return t;
   if (const double scale = binary_scale(t.range); scale != 1) {
-    t = measure_volume_traits(volume, scaled_values(values, std::vector<double>(values.components, scale)), progress);
+    t = measure_volume_traits(volume, scaled_values(values, std::vector<double>(values.components, scale)),
+                              noise.scaled(scale), progress);
     t.range /= scale;
     return t;
   }
@@ -152,9 +152,7 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
-  if (const SampleNoise noise =
-          estimate_noise(volume, values, volume.lattice ? std::vector<StarMetric>() : star_metrics(volume), progress);
-      noise.found) {
+  if (noise.found) {
     t.noisy = true;
     t.noise = *std::max_element(noise.typical.begin(), noise.typical.end()) / t.range;
   }

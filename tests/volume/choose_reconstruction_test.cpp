@@ -1,4 +1,5 @@
 #include "sansmesh/volume/choose_reconstruction.h"
+#include "sansmesh/volume/smoothed_values.h"
 #include "sansmesh/volume/volume_traits.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +31,9 @@ VolumeReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& 
   data.blocks.push_back(std::move(block));
   Progress progress;
   const SampledVolume volume = assemble_volume(data, Association::points, progress);
-  return choose_reconstruction(volume, measure_volume_traits(volume, volume_values(volume, "f"), progress));
+  const VolumeValues of = volume_values(volume, "f");
+  return choose_reconstruction(volume,
+                               measure_volume_traits(volume, of, noise_of_values(volume, of, progress), progress));
 }
 
 TEST(ChooseReconstruction, SmoothAndNoisyLatticesGetPolynomialsEdgesCubics) {

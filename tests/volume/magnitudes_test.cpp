@@ -7,6 +7,7 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/error.h"
 #include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume/smoothed_values.h"
 #include "sansmesh/volume/volume_traits.h"
 #include "volume/volume_checks.h"
 
@@ -114,7 +115,8 @@ TEST(Magnitudes, OfTraitsOnlyScaleTheRange) {
     const auto volume =
         volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
     Progress progress;
-    return measure_volume_traits(*volume, volume_values(*volume, "f"), progress);
+    const VolumeValues values = volume_values(*volume, "f");
+    return measure_volume_traits(*volume, values, noise_of_values(*volume, values, progress), progress);
   };
   const VolumeTraits moderate = traits_of(1), huge = traits_of(0x1p990);
   EXPECT_EQ(huge.range, 0x1p990 * moderate.range);

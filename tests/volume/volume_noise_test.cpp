@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -220,6 +221,145 @@ TEST(VolumeNoise, VectorsAreSmoothedTogether) {
     first.push_back(result.values.values[2 * i]), second.push_back(result.values.values[2 * i + 1]);
   EXPECT_LT(error_of(*volume, first, waves, kEverywhere), 0.5 * 0.05);
   EXPECT_LT(error_of(*volume, second, linear_function, kEverywhere), 0.5 * 0.02);
+}
+
+/// Noise of deviation sigma(value, position).
+template <class Deviation>
+VolumeValues varying_values(const SampledVolume& volume, const VolumeFunction& f, const Deviation& sigma) {
+  std::mt19937 random(17);
+  std::normal_distribution<double> normal;
+  VolumeValues values;
+  values.name = "f";
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    const Vec3 x = volume.position(i);
+    values.values.push_back(f(x) + sigma(f(x), x) * normal(random));
+  }
+  return values;
+}
+
+/// Larger grids of some kinds, for curves of the noise.
+std::vector<NamedGrid> large_grids() {
+  const VolumeFunction zero = [](const Vec3&) { return 0.0; };
+  return {{"lattice", lattice_grid({26, 26, 26}, zero), Association::points},
+          {"bent, cells", bent_grid({24, 24, 24}, zero), Association::cells},
+          {"tetrahedra", tetrahedra_grid({23, 23, 23}, zero), Association::points}};
+}
+
+TEST(VolumeNoise, EvenNoiseDoesNotVary) {
+  for (const NamedGrid& grid : large_grids()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    const SampleNoise noise = noise_of(*volume, noisy_values(*volume, waves, 0.05));
+    for (std::size_t i = 0; i < volume->size(); i += 7) {
+      const Vec3 x = volume->position(i);
+      ASSERT_NEAR(noise.at(0, waves(x), x), 0.05, 0.2 * 0.05) << grid.name;
+    }
+  }
+}
+
+TEST(VolumeNoise, NoiseThatGrowsWithTheSignalIsFollowed) {
+  const VolumeFunction f = [](const Vec3& x) { return 1 + x.x + 0.3 * std::sin(3 * x.y); };
+  const auto sigma = [](double value, const Vec3&) { return 0.04 * (value - 0.4); };
+  for (const NamedGrid& grid : large_grids()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    const VolumeValues values = varying_values(*volume, f, sigma);
+    const SampleNoise noise = noise_of(*volume, values);
+    EXPECT_TRUE(noise.found) << grid.name;
+    for (const double v : {0.9, 1.3, 1.7, 2.1}) {
+      const double expected = sigma(v, {});
+      EXPECT_NEAR(noise.at(0, v, volume->bounds().center()), expected, 0.25 * expected) << grid.name << ", " << v;
+    }
+    // Each part loses its own noise.
+    const SmoothedValues result = smooth(*volume, values);
+    for (const double low : {0.8, 1.8}) {
+      const auto part = [&](const Vec3& x) { return f(x) > low && f(x) < low + 0.3; };
+      EXPECT_LT(error_of(*volume, result.values.values, f, part), 0.5 * sigma(low + 0.15, {})) << grid.name << ", " << low;
+    }
+  }
+}
+
+TEST(VolumeNoise, NoiseOfMagnitudesIsLessWhereThereIsNoSignal) {
+  // Magnitudes of complex numbers, as in magnetic resonance: the noise around the body has a Rayleigh distribution.
+  const double sigma = 0.04;
+  const VolumeFunction body = [](const Vec3& x) {
+    const double r = norm(x - Vec3{0.5, 0.5, 0.5});
+    return r < 0.35 ? 0.7 + 0.3 * std::sin(5 * x.x) * std::cos(4 * x.y) : 0.0;
+  };
+  const auto volume = volume_of(lattice_grid({36, 36, 36}, body));
+  std::mt19937 random(23);
+  std::normal_distribution<double> normal;
+  VolumeValues values;
+  values.name = "f";
+  for (std::size_t i = 0; i < volume->size(); ++i) {
+    const double real = body(volume->position(i)) + sigma * normal(random);
+    values.values.push_back(std::hypot(real, sigma * normal(random)));
+  }
+  const SampleNoise noise = noise_of(*volume, values);
+  EXPECT_TRUE(noise.found) << noise.correlation;
+  const double air = noise.at(0, 1.25 * sigma, {0.5, 0.5, 0.5}), tissue = noise.at(0, 0.7, {0.5, 0.5, 0.5});
+  EXPECT_NEAR(air, 0.655 * sigma, 0.15 * sigma);
+  EXPECT_NEAR(tissue, sigma, 0.2 * sigma);
+  const SmoothedValues result = smooth(*volume, values);
+  const auto inside = [](const Vec3& x) { return norm(x - Vec3{0.5, 0.5, 0.5}) < 0.28; };
+  EXPECT_LT(error_of(*volume, result.values.values, body, inside), 0.4 * sigma);
+}
+
+TEST(VolumeNoise, NoiseThatVariesInSpaceIsFollowed) {
+  const auto sigma = [](double, const Vec3& x) { return 0.02 * std::exp(1.2 * x.y); };
+  for (const NamedGrid& grid : large_grids()) {
+    const auto volume = volume_of(grid.data, grid.association);
+    const VolumeValues values = varying_values(*volume, waves, sigma);
+    const SampleNoise noise = noise_of(*volume, values);
+    EXPECT_TRUE(noise.found) << grid.name;
+    const Box3 box = volume->bounds();
+    for (const double t : {0.2, 0.5, 0.8}) {
+      Vec3 x = box.center();
+      x.y = box.lower.y + t * box.size().y;
+      EXPECT_NEAR(noise.at(0, waves(x), x), sigma(0, x), 0.3 * sigma(0, x)) << grid.name << ", " << t;
+    }
+  }
+}
+
+TEST(VolumeNoise, SingleLayersAreSmoothedAsLayers) {
+  for (const Association a : {Association::points, Association::cells})
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<std::size_t, 3> counts{60, 60, 60};
+      counts[k] = 2;
+      const VolumeFunction step = [&](const Vec3& x) { return x[(k + 1) % 3] < 0.47 ? 0.0 : 1.0; };
+      const auto volume = volume_of(lattice_grid(counts, step), a);
+      // Both layers have the same noise, as single layers of files have.
+      std::mt19937 random(3);
+      std::normal_distribution<double> normal;
+      VolumeValues values;
+      values.name = "f";
+      values.values.resize(volume->size());
+      const auto& axes = volume->lattice->axes;
+      ASSERT_EQ(axes[k].size(), 2u);
+      const std::size_t apart = k == 0 ? 1 : k == 1 ? axes[0].size() : axes[0].size() * axes[1].size();
+      for (std::size_t i = 0; i < volume->size(); ++i)
+        values.values[i] = volume->lattice->indices(i)[k] == 1 ? values.values[i - apart]
+                                                               : step(volume->position(i)) + 0.1 * normal(random);
+      const SmoothedValues result = smooth(*volume, values);
+      EXPECT_EQ(result.smoothing, 1) << k;
+      EXPECT_NEAR(result.noise, 0.1, 0.02) << k;
+      const auto away = [&](const Vec3& x) { return std::abs(x[(k + 1) % 3] - 0.47) > 0.06; };
+      EXPECT_LT(error_of(*volume, result.values.values, step, away), 0.05) << k;
+      for (std::size_t i = 0; i < volume->size(); ++i)
+        if (volume->lattice->indices(i)[k] == 1)
+          ASSERT_EQ(result.values.values[i], result.values.values[i - apart]) << k << ", " << i;
+    }
+}
+
+TEST(VolumeNoise, MissingValuesDoNotLowerIt) {
+  SampledVolume volume = *volume_of(lattice_grid({20, 20, 20}, waves));
+  std::vector<double> values = noisy_values(volume, waves, 0.05).values;
+  const double known = noise_of(volume, noisy_values(volume, waves, 0.05)).typical[0];
+  std::mt19937 random(8);
+  for (double& v : values)
+    if (random() % 4 == 0) v = std::numeric_limits<double>::quiet_NaN();
+  volume.attributes.set("f", values);
+  const SampleNoise noise = noise_of(volume, volume_values(volume, "f"));
+  EXPECT_TRUE(noise.found) << noise.correlation;
+  EXPECT_NEAR(noise.typical[0], known, 0.07 * known);
 }
 
 TEST(VolumeNoise, EveryReconstructionSmoothsFirst) {

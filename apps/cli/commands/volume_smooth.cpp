@@ -22,11 +22,9 @@ struct VolumeSmoothArguments {
 };
 
 void run_volume_smooth(const VolumeSmoothArguments& a, Console& console) {
-  if (io::ending(a.output) == "vtu")
-    check_writable(a.output, "text");
-  else
-    check_volume_writable(a.output);
+  if (io::ending(a.output) != "vtu") check_volume_writable(a.output);
   VolumeModel volume = a.input.open(console);
+  check_smoothed_writable(a.output, volume, a.options, console.progress());
   const SmoothVolumeResult made = smooth_volume(volume, a.options, console.progress());
   console.note(volume.name(), made.notes);
   console.progress().begin("write");

@@ -25,7 +25,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   const SampledVolume& volume = *input.volume;
   // The local polynomials supply gradients and second derivatives at the samples.
   LocalPolynomialOptions how;
-  how.fit.max_degree = 2;
+  how.fit.max_degree = input.options.degree.value_or(2);
   how.fit.robust = false;
   how.ask_in_cells = false;
   const bool spherical = input.options.spherical.value_or(false);
@@ -53,7 +53,8 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   local.constants = iteration.coefficients();
   // Agreement between neighbours of the iterated constants with their polynomials.
   std::vector<float> trust(volume.size(), 1.0f);
-  if (has_linear_share(volume)) {
+  // As printed, only values are iterated, and their sum is all.
+  if (how.fit.max_degree > 0 && has_linear_share(volume)) {
     std::vector<double> reached = input.values.values;
     for (std::size_t i = 0; i < reached.size(); ++i) reached[i] -= iteration.residuals()[i];
     fitted.constants = std::move(reached);
@@ -78,6 +79,7 @@ static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   for (const std::uint8_t degree : fitted.polynomials.degrees)
     if (degree > 2) throw DataError("polynomials of amls are of degree 2 at most");
   VolumeReconstructionOptions& chosen = input.report.options;
+  chosen.degree = input.options.degree.value_or(2);
   chosen.order = order, chosen.epsilon = choice.shape, chosen.iterations = choice.iterations;
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
   return make_amls_blend(std::move(input.volume), std::move(locator), fitted.polynomials, fitted.radii,
@@ -86,7 +88,7 @@ static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
 
 namespace {
 
-constexpr std::string_view kAmlsUses[] = {"iterations", "epsilon", "order", "spherical"};
+constexpr std::string_view kAmlsUses[] = {"degree", "iterations", "epsilon", "order", "spherical"};
 constexpr VolumeMethod kAmlsMethods[] = {
     {.name = "amls",
      .summary = "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth method",

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/methods/cell_blend.h"
 #include "sansmesh/volume/methods/support_blend.h"
@@ -55,13 +56,17 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
   VolumeReconstructionOptions& chosen = input.report.options;
   local.fit.max_degree = input.options.degree.value_or(3);
   local.fit.robust = input.options.robust.value_or(true);
+  const bool interpolate = chosen.interpolate.emplace(input.options.interpolate.value_or(true));
+  if (!interpolate) local.share = 0, local.fit.doubt_own = true;
   chosen.degree = local.fit.max_degree;
   chosen.robust = local.fit.robust;
   ReconstructionCoefficients& fitted = input.coefficients;
   // Fits of older files, without this option, took centres.
   const bool means =
-      input.volume->in_cells && !input.volume->lattice &&
+      input.volume->in_cells && !input.volume->lattice && interpolate &&
       input.options.cell_values.value_or(fitted.empty() ? CellValues::means : CellValues::centres) == CellValues::means;
+  check_argument(interpolate || input.options.cell_values != CellValues::means,
+                 "without `interpolate` values in cells are those at their centres: omit `cell_values`");
   if (input.volume->in_cells) chosen.cell_values = means ? CellValues::means : CellValues::centres;
   if (fitted.empty()) {
     fitted.polynomials = means
@@ -70,11 +75,14 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
     if (blends_supports(*input.volume, "mls-detail"))
       fitted.radii = support_radii(*input.volume, fitted.polynomials, 1);
   }
+  // Doubtful polynomials would return the samples.
+  if (!interpolate) fitted.polynomials.trust = std::vector<float>(input.volume->size(), 1.0f);
   const LocalPolynomials& polynomials = fitted.polynomials;
   input.report.by_degree = fitted.by_degree();
   const auto doubtful = static_cast<std::size_t>(
       std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
-  if (3 * doubtful > polynomials.size())
+  // What remains of noise makes polynomials differ, too.
+  if (!input.noisy && 3 * doubtful > polynomials.size())
     input.report.notes.push_back(
         fmt::format("the samples are too far apart for what they show: at {:.0f} % of them polynomials of neighbours "
                     "disagree, and the result is hardly better than linear interpolation there",
@@ -92,7 +100,7 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
 
 namespace {
 
-constexpr std::string_view kMlsDetailUses[] = {"degree", "robust"};
+constexpr std::string_view kMlsDetailUses[] = {"degree", "robust", "interpolate"};
 constexpr VolumeMethod kDetailMethods[] = {
     {.name = "mls-detail",
      .summary = "robust polynomials at samples, of the degree that predicts best, blended",

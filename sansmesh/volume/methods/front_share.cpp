@@ -53,8 +53,8 @@ bool FrontShare::any(std::span<const std::uint32_t> supports) const {
 void FrontShare::apply(std::span<const std::uint32_t> supports, const Request& request, const detail::SupportTile& all,
                        std::span<double> values, std::span<Vec3> gradients, Memory& memory) const {
   const auto& [origin, base, level, n, gradient] = request;
-  memory.terms.clear();
-  std::vector<std::uint32_t> with;
+  std::vector<std::uint32_t>& with = memory.with;
+  memory.terms.clear(), with.clear();
   for (const std::uint32_t i : supports) {
     if (fronts_.of[i] == CellFronts::kNone) continue;
     with.push_back(i);

@@ -25,6 +25,7 @@ class FrontShare {
 
   /// Per-thread buffers.
   struct Memory {
+    std::vector<std::uint32_t> with;  ///< supports with fronts
     std::vector<detail::SupportTerm> terms;
     detail::SupportTile tile;
     std::vector<float> sums;  ///< sums of each quantity and their gradients, point by point

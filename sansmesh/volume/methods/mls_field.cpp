@@ -102,6 +102,11 @@ class MlsField final : public GroupedField {
     if (!at_corners) flat_share_.emplace(volume(), shares_);
   }
 
+  /// Instead of prepare(): M f alone; linear interpolation only where it is not determined.
+  void leave_as_printed() {
+    if (!volume().cell_sample.empty()) flat_.emplace(volume(), values_);
+  }
+
  private:
   static constexpr std::size_t kRow = 8;  // read by the widest vectors
 
@@ -296,7 +301,8 @@ class MlsField final : public GroupedField {
     }
     if (wanted.degrees.empty()) return;
     for (std::size_t i = 0; i < n; ++i) {
-      const bool fitted = steady_share(tile.variance[i]) * lists.flat[i].share > 0;
+      const double steady = shares_.values.empty() ? tile.variance[i] >= 0 : steady_share(tile.variance[i]);
+      const bool fitted = steady * lists.flat[i].share > 0;
       wanted.degrees[group.to[i]] = static_cast<std::uint8_t>(fitted ? degree_ : 1);
     }
   }
@@ -309,7 +315,8 @@ class MlsField final : public GroupedField {
     const bool shared = !shares_.values.empty();
     if (flat_) {
       flat_->evaluate(location, x, flat.values, flat.slopes);
-      flat_share_->evaluate(location, x, std::span(&flat.share, 1), std::span(&flat.share_slope, gradient ? 1 : 0));
+      if (flat_share_)
+        flat_share_->evaluate(location, x, std::span(&flat.share, 1), std::span(&flat.share_slope, gradient ? 1 : 0));
     } else {
       for (std::size_t v = 0; v < location.corner_count; ++v) {
         const std::size_t i = location.corners[v];
@@ -353,17 +360,21 @@ static std::unique_ptr<VolumeField> make_mls_field(ReconstructionInput input) {
   covered.metrics = metrics;
   std::vector<float> radii = mls_radii(*input.volume, metrics, degree, covered, input.options.radius);
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
-  LocalPolynomialOptions how;
-  const LocalPolynomials local = fit_polynomials(*input.volume, input.values, how, input.progress);
+  const bool interpolate = input.report.options.interpolate.emplace(input.options.interpolate.value_or(true));
+  LocalPolynomials local;
+  if (interpolate) local = fit_polynomials(*input.volume, input.values, {}, input.progress);
   auto field = std::make_unique<MlsField>(std::move(input.volume), std::move(locator), std::move(input.values),
                                           std::move(metrics), std::move(radii), degree);
-  field->prepare(local, input.progress);
+  if (interpolate)
+    field->prepare(local, input.progress);
+  else
+    field->leave_as_printed();
   return field;
 }
 
 namespace {
 
-constexpr std::string_view kMlsUses[] = {"degree", "radius"};
+constexpr std::string_view kMlsUses[] = {"degree", "radius", "interpolate"};
 constexpr VolumeMethod kMlsMethods[] = {{.name = "mls",
                                          .summary = "moving least squares at each point, ellipsoidal weights",
                                          .grids = "all",

@@ -36,7 +36,7 @@ const std::vector<LatticeOffset>& lattice_offsets() {
 bool is_inside(const Lattice& lattice, std::size_t sample, std::size_t margin) {
   const auto at = lattice.indices(sample);
   for (std::size_t k = 0; k < 3; ++k)
-    if (at[k] < margin || at[k] + margin >= lattice.axes[k].size()) return false;
+    if (lattice.axes[k].size() > 1 && (at[k] < margin || at[k] + margin >= lattice.axes[k].size())) return false;
   return true;
 }
 

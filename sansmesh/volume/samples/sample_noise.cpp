@@ -17,10 +17,9 @@ namespace {
 
 constexpr std::size_t kRows = 5000;                          // examined rows of neighbours
 constexpr std::size_t kParabolaNeighbours = 56;              // parabolas have that many
-constexpr std::size_t kFewest = 40;                          // pairs of samples below which nothing can be said
+constexpr std::size_t kFewestResiduals = 80;                 // fewer say nothing
 constexpr double kMostPredicted = 3;                         // variance of a prediction, in variances of a sample
-constexpr double kNoiseTails = 2.5, kWithoutTails = 0.9113;  // variance of a normal deviate without its tails
-constexpr double kLikeNoise = 0.05, kAlternating = -0.35, kWave = 0.3, kSpreadOfPair = 0.6;
+constexpr double kWave = 0.3;                                // most correlation of noise two steps apart
 constexpr std::size_t kInRow = 3;         // samples of a row: two neighbours, and the next behind them
 constexpr double kQuanta = 0.6;           // noise below is rounding to integers
 constexpr double kRoundedToFloat = 2e-6;  // relative to the largest value: rounding to floats
@@ -32,16 +31,21 @@ constexpr double kOfShapes = 0.005;
 /// Values minus their predictions, over the deviation for noise of deviation 1.
 class LeftOutResiduals {
  public:
-  LeftOutResiduals(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics)
-      : values_(values), near_(volume, metrics) {}
+  LeftOutResiduals(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
+                   const std::vector<std::uint8_t>& filled)
+      : values_(values), filled_(filled), near_(volume, metrics) {}
 
-  /// Sets the residuals of all components; false without a reliable prediction.
-  bool of(std::uint32_t sample, double* residuals) {
+  /// Sets the residuals and predictions of all components; false without a reliable prediction.
+  bool of(std::uint32_t sample, double* residuals, double* predicted) {
+    if (!filled_.empty() && filled_[sample] != 0) return false;
     near_.gather(sample, kParabolaNeighbours + 1);
     const auto u = near_.local();
     const double radius = near_.radius(kParabolaNeighbours + 1);
     weights_.assign(u.size(), 0.0);
     for (std::size_t j = 1; j < u.size(); ++j) weights_[j] = std::max(1 - near_.squares()[j] / (radius * radius), 0.0);
+    if (!filled_.empty())
+      for (std::size_t j = 1; j < u.size(); ++j)
+        if (filled_[near_.samples()[j]] != 0) weights_[j] = 0;
     fit_.place(u);
     fit_.weigh(weights_);
     const auto l = fit_.coefficients(2);
@@ -55,33 +59,18 @@ class LeftOutResiduals {
       double rise = 0;
       for (std::size_t j = 1; j < l.size(); ++j) rise += l[j] * (values_.values[near_.samples()[j] * c + m] - own);
       residuals[m] = -rise * unit;
+      predicted[m] = own + rise;
     }
     return true;
   }
 
  private:
   const VolumeValues& values_;
+  const std::vector<std::uint8_t>& filled_;
   NearSamples near_;
   CentreFit fit_;
   std::vector<double> weights_;
 };
-
-/// Deviation of normal deviates with other, larger numbers among them: the variance of those within 2.5 deviations.
-double deviation_of(std::vector<double> magnitudes) {
-  if (magnitudes.empty()) return 0;
-  std::sort(magnitudes.begin(), magnitudes.end());
-  std::vector<double> squares(magnitudes.size() + 1);
-  for (std::size_t i = 0; i < magnitudes.size(); ++i) squares[i + 1] = squares[i] + magnitudes[i] * magnitudes[i];
-  double s = kDeviationOverMedian * magnitudes[magnitudes.size() / 2];
-  for (int again = 0; again < 50 && s > 0; ++again) {
-    const auto n = static_cast<std::size_t>(std::upper_bound(magnitudes.begin(), magnitudes.end(), kNoiseTails * s) -
-                                            magnitudes.begin());
-    const double next = n > 0 ? std::sqrt(squares[n] / (static_cast<double>(n) * kWithoutTails)) : 0;
-    if (std::abs(next - s) <= 1e-6 * s) return next;
-    s = next;
-  }
-  return s;
-}
 
 /// The smallest difference of values of which all are multiples, as of integers; 0 if there is none.
 double quantum_of(std::vector<double> values) {
@@ -114,6 +103,7 @@ struct Rows {
   std::size_t components = 1;
   std::vector<std::uint32_t> sample;  ///< kInRow per row
   std::vector<double> residual;       ///< all components of each
+  std::vector<double> predicted;      ///< the same
 };
 
 /// The neighbour of `middle` that is nearest to the continuation of the way from `first`.
@@ -130,11 +120,13 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
                   Progress& progress) {
   const std::size_t n = volume.size(), c = values.components, count = std::min(n, kRows), width = kInRow * c;
   std::vector<std::array<std::uint32_t, kInRow>> chosen(count);
-  std::vector<double> residual(count * width);
+  std::vector<double> residual(count * width), predicted(count * width);
+  std::vector<std::uint8_t> filled(values.filled.empty() ? 0 : n, 0);
+  for (const std::uint32_t i : values.filled) filled[i] = 1;
   std::vector<std::uint8_t> known(count, 0);
   progress.begin("look at noise", count);
   parallel_ranges(0, count, 64, [&](std::size_t begin, std::size_t end) {
-    LeftOutResiduals residuals(volume, values, metrics);
+    LeftOutResiduals residuals(volume, values, metrics, filled);
     std::vector<std::uint32_t> star;
     for (std::size_t k = begin; k < end; ++k) {
       // Equal steps through a lattice would stay in few of its planes.
@@ -149,7 +141,7 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
       if (chosen[k][2] == i) continue;
       known[k] = 1;
       for (std::size_t s = 0; s < kInRow && known[k]; ++s)
-        known[k] = residuals.of(chosen[k][s], &residual[k * width + s * c]);
+        known[k] = residuals.of(chosen[k][s], &residual[k * width + s * c], &predicted[k * width + s * c]);
     }
     progress.advance(end - begin);
   });
@@ -160,30 +152,10 @@ Rows look_at_rows(const SampledVolume& volume, const VolumeValues& values, std::
     rows.sample.insert(rows.sample.end(), chosen[k].begin(), chosen[k].end());
     const auto from = static_cast<std::ptrdiff_t>(k * width), to = static_cast<std::ptrdiff_t>((k + 1) * width);
     rows.residual.insert(rows.residual.end(), residual.begin() + from, residual.begin() + to);
+    rows.predicted.insert(rows.predicted.end(), predicted.begin() + from, predicted.begin() + to);
   }
   return rows;
 }
-
-/// Mean of 2ab / (a² + b²) over residuals that differ from rounding and are no tails.
-class SignCorrelation {
- public:
-  void add(double a, double b, double deviation, double rounding) {
-    const double square = a * a + b * b;
-    if (!(square <= 2 * (kNoiseTails * deviation) * (kNoiseTails * deviation))) return;
-    if (std::max(std::abs(a), std::abs(b)) <= rounding) return;
-    sum_ += 2 * a * b / square, ++count_;
-  }
-  bool known() const { return count_ >= kFewest; }
-  double mean() const { return sum_ / static_cast<double>(count_); }
-  /// Whether independent residuals may have this correlation. Those of a fit without the sample are slightly opposite.
-  bool like_noise() const {
-    return mean() + kSpreadOfPair / std::sqrt(static_cast<double>(count_)) <= kLikeNoise && mean() >= kAlternating;
-  }
-
- private:
-  double sum_ = 0;
-  std::size_t count_ = 0;
-};
 
 /// Magnitudes of the residuals of a component without those of constant parts (masked, or outside the body).
 std::vector<double> magnitudes_of(const Rows& rows, std::size_t m, double rounding) {
@@ -193,7 +165,51 @@ std::vector<double> magnitudes_of(const Rows& rows, std::size_t m, double roundi
   return result;
 }
 
+/// The residuals of a component, and which of them are neighbours.
+void take_component(const SampledVolume& volume, const Rows& rows, std::size_t m,
+                    std::vector<NoiseResidual>& residuals, std::vector<ResidualPair>& pairs) {
+  residuals.clear(), pairs.clear();
+  for (std::size_t i = 0; i < rows.sample.size(); ++i) {
+    const std::size_t at = i * rows.components + m;
+    residuals.push_back({rows.predicted[at], rows.residual[at], volume.position(rows.sample[i])});
+    if (i % kInRow > 0) pairs.push_back({static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i)});
+  }
+}
+
+/// Fits the factors by value, and on all components together those by place.
+void find_variation(const SampledVolume& volume, const Rows& rows, double rounding, SampleNoise& noise) {
+  std::vector<NoiseResidual> residuals, all;
+  std::vector<ResidualPair> pairs, all_pairs;
+  double unit = 0;
+  for (std::size_t m = 0; m < rows.components; ++m) {
+    if (!(noise.typical[m] > 0)) continue;
+    take_component(volume, rows, m, residuals, pairs);
+    noise.by_value[m] = noise_by_value(residuals, pairs, noise.typical[m], rounding);
+    unit = std::max(unit, noise.typical[m]);
+    const auto first = static_cast<std::uint32_t>(all.size());
+    for (NoiseResidual& r : residuals) {
+      r.residual = std::abs(r.residual) > rounding ? r.residual / noise.at(m, r.value, r.position) : 0;
+      all.push_back(r);
+    }
+    for (const ResidualPair& p : pairs) all_pairs.push_back({p.first + first, p.second + first});
+  }
+  if (unit > 0) noise.by_place = noise_by_place(all, all_pairs, volume.bounds(), 1, 0);
+}
+
 }  // namespace
+
+bool SampleNoise::varies() const {
+  return !by_place.empty() ||
+         std::any_of(by_value.begin(), by_value.end(), [](const NoiseByValue& v) { return !v.empty(); });
+}
+
+SampleNoise SampleNoise::scaled(double factor) const {
+  SampleNoise result = *this;
+  for (double& t : result.typical) t *= factor;
+  for (NoiseByValue& curve : result.by_value)
+    for (double& v : curve.values) v *= factor;
+  return result;
+}
 
 SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
                            Progress& progress) {
@@ -201,23 +217,32 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
   const Rows rows = look_at_rows(volume, values, metrics, progress);
   const double rounding = kRoundedToFloat * largest_value(values);
   SampleNoise noise;
-  noise.typical.assign(c, 0.0);
-  SignCorrelation next, beyond;  // neighbours; samples two steps apart
+  noise.typical.assign(c, 0.0), noise.by_value.resize(c);
   bool above = false;
   for (std::size_t m = 0; m < c; ++m) {
     std::vector<double> magnitudes = magnitudes_of(rows, m, rounding);
-    if (magnitudes.size() < 2 * kFewest) continue;
-    const double s = deviation_of(std::move(magnitudes));
+    if (magnitudes.size() < kFewestResiduals) continue;
+    const double s = trimmed_deviation(std::move(magnitudes));
     noise.typical[m] = s;
     std::vector<double> own;
     own.reserve(rows.sample.size());
     for (const std::uint32_t i : rows.sample) own.push_back(values.values[i * c + m]);
     const double least = volume.in_cells && !volume.lattice ? kOfShapes * main_range(own) : 0;
     above = above || s > std::max(least, kQuanta * quantum_of(std::move(own)));
-    for (std::size_t k = m; k < rows.residual.size(); k += kInRow * c) {
-      const double* const r = &rows.residual[k];
-      next.add(r[0], r[c], s, rounding), next.add(r[c], r[2 * c], s, rounding);
-      beyond.add(r[0], r[2 * c], s, rounding);
+  }
+  find_variation(volume, rows, rounding, noise);
+  SignCorrelation next, beyond;  // neighbours; samples two steps apart
+  for (std::size_t m = 0; m < c; ++m) {
+    if (!(noise.typical[m] > 0)) continue;
+    for (std::size_t k = 0; k < rows.sample.size(); k += kInRow) {
+      std::array<double, kInRow> r{};  // in deviations
+      for (std::size_t j = 0; j < kInRow; ++j) {
+        const std::size_t at = (k + j) * c + m;
+        r[j] = rows.residual[at] / noise.at(m, rows.predicted[at], volume.position(rows.sample[k + j]));
+      }
+      const double rounded = rounding / noise.typical[m];
+      next.add(r[0], r[1], 1, rounded), next.add(r[1], r[2], 1, rounded);
+      beyond.add(r[0], r[2], 1, rounded);
     }
   }
   if (!next.known() || !beyond.known()) return noise;

@@ -8,6 +8,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume/samples/noise_variation.h"
 #include "sansmesh/volume/samples/star_metric.h"
 
 namespace sansmesh::inline v1 {
@@ -16,12 +17,23 @@ namespace sansmesh::inline v1 {
 struct SampleNoise {
   bool found = false;           ///< whether the residuals are those of noise; otherwise all deviations are bounds
   std::vector<double> typical;  ///< per component, of the volume as a whole
-  double correlation = 0;       ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
+  std::vector<NoiseByValue> by_value;  ///< per component: factors of the deviation
+  NoiseByPlace by_place;               ///< further factors
+  double correlation = 0;  ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours, in deviations of their noise
+
+  bool varies() const;
+  /// Deviation of a component where it has this value.
+  double at(std::size_t component, double value, const Vec3& position) const {
+    return typical[component] * by_value[component].at(value) * by_place.at(position);
+  }
+  /// The noise of the values times `factor`, which is positive.
+  SampleNoise scaled(double factor) const;
 };
 
 /// Estimates white noise from parabolas through the neighbours of some thousand samples, which leave the sample out:
 /// residuals are divided by the deviation that noise of deviation 1 would give them, and their variance is taken
-/// without the tails, to which steps belong (docs/methods/volume-noise.md).
+/// without the tails, to which steps belong (docs/methods/volume-noise.md). Noise may grow or fall with the value, and
+/// vary slowly in space. Samples without a value of their own (`filled`) do not count.
 ///
 /// Unresolved structure also leaves residuals, but those of neighbours have the same sign, whereas those of noise have
 /// slightly opposite ones. So noise is found if the mean of 2ab / (a² + b²) over pairs of neighbours is between −0.35

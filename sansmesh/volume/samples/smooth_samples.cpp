@@ -42,13 +42,16 @@ class SampleSmoother {
       const double s = factor * typical;
       deviations_.push_back(s), inverse_.push_back(s > 0 ? 1 / (s * s) : 0);
     }
+    if (noise.varies()) noise_ = &noise;
   }
 
   SmoothedSamples smooth(Progress& progress) {
     if (std::all_of(inverse_.begin(), inverse_.end(), [](double i) { return i == 0; }))
       return {values_.values, std::vector<float>(n_ * c_, 0.0f)};
     progress.begin("smooth", 4);
+    find_variances(values_.values);
     look(values_.values, kFirstLook, kSamplesApart);
+    find_variances(pilot_);
     progress.advance();
     look(pilot_, kSecondLook, kMeansApart);
     progress.advance();
@@ -63,12 +66,31 @@ class SampleSmoother {
   }
 
  private:
+  /// Factors of the noise's variance at each sample, by these values.
+  void find_variances(const std::vector<double>& of) {
+    if (!noise_) return;
+    factors_.resize(n_ * c_);
+    parallel_for(0, n_, kSmoothGrain, [&](std::size_t i) {
+      const Vec3 x = volume_.position(i);
+      const double place = noise_->by_place.at(x);
+      for (std::size_t m = 0; m < c_; ++m) {
+        const double f = place * noise_->by_value[m].at(of[i * c_ + m]);
+        factors_[i * c_ + m] = static_cast<float>(f * f);
+      }
+    });
+  }
+  /// Factor of the noise's variance in a component of a sample.
+  double variance_factor(std::size_t i, std::size_t m) const {
+    return factors_.empty() ? 1 : static_cast<double>(factors_[i * c_ + m]);
+  }
+
   /// Largest squared difference of two samples over the components, in variances of the noise.
   double difference(const std::vector<double>& of, std::size_t i, std::size_t j) const {
     double most = 0;
     for (std::size_t m = 0; m < c_; ++m) {
       const double d = of[i * c_ + m] - of[j * c_ + m];
-      most = std::max(most, d * d * inverse_[m]);
+      const double both = factors_.empty() ? 1 : 2 / (variance_factor(i, m) + variance_factor(j, m));
+      most = std::max(most, d * d * inverse_[m] * both);
     }
     return most;
   }
@@ -145,7 +167,7 @@ class SampleSmoother {
       const double own = pilot_[i * c_ + m];
       for (std::size_t j = 0; j < n; ++j) {
         const double level = pilot_[near.samples()[j] * c_ + m] - own, plane = level - dot(slope, near.local()[j]);
-        robust[j] = std::max(robust[j], std::min(level * level, plane * plane) * inverse_[m]);
+        robust[j] = std::max(robust[j], std::min(level * level, plane * plane) * inverse_[m] / variance_factor(i, m));
       }
     }
     if (*std::max_element(robust.begin(), robust.end()) < kNoStep) return false;
@@ -219,17 +241,32 @@ class SampleSmoother {
   void keep(std::size_t i, std::size_t candidate, const NearSamples& near, std::span<const double> l, double vague) {
     const std::size_t at = i * kCandidates + candidate;
     double variance = 0, error = 0, noisy = 0;
-    for (const double a : l) variance += a * a;
+    if (factors_.empty())
+      for (const double a : l) variance += a * a;
+    else
+      variance = varying_variance(i, near, l);
     for (std::size_t m = 0; m < c_; ++m) {
       if (inverse_[m] == 0) continue;
       double rise = 0;
       for (std::size_t j = 1; j < l.size(); ++j)
         rise += l[j] * (values_.values[near.samples()[j] * c_ + m] - values_.values[i * c_ + m]);
       changes_[at * c_ + m] = static_cast<float>(rise * std::sqrt(inverse_[m]));
-      error += rise * rise * inverse_[m] - 1 + 2 * l[0], ++noisy;
+      error += rise * rise * inverse_[m] / variance_factor(i, m) - 1 + 2 * l[0], ++noisy;
     }
     variances_[at] = static_cast<float>(variance);
     errors_[at] = static_cast<float>(error / noisy + vague);
+  }
+
+  /// Σ l_j² σ_j² / σ_i², mean over the components.
+  double varying_variance(std::size_t i, const NearSamples& near, std::span<const double> l) const {
+    double sum = 0, noisy = 0;
+    for (std::size_t m = 0; m < c_; ++m) {
+      if (inverse_[m] == 0) continue;
+      double of = 0;
+      for (std::size_t j = 0; j < l.size(); ++j) of += l[j] * l[j] * variance_factor(near.samples()[j], m);
+      sum += of / variance_factor(i, m), ++noisy;
+    }
+    return sum / noisy;
   }
 
   void copy_candidate(std::size_t i, std::size_t from, std::size_t to) {
@@ -293,7 +330,7 @@ class SampleSmoother {
       }
       for (std::size_t m = 0; m < c_; ++m) {
         const double s = deviations_[m];
-        result.deviations[i * c_ + m] = static_cast<float>(s * std::sqrt(least));
+        result.deviations[i * c_ + m] = static_cast<float>(s * std::sqrt(least * variance_factor(i, m)));
         if (best < kCandidates && s > 0)
           result.values[i * c_ + m] += s * static_cast<double>(changes_[(i * kCandidates + best) * c_ + m]);
       }
@@ -306,6 +343,8 @@ class SampleSmoother {
   std::span<const StarMetric> metrics_;
   std::vector<double> deviations_;  ///< deviations of the noise, per component
   std::vector<double> inverse_;     ///< inverse squares of the deviations, 0 without noise
+  const SampleNoise* noise_ = nullptr;  ///< noise that varies
+  std::vector<float> factors_;          ///< of the variance at each sample, if it varies
   std::size_t n_, c_;
   std::vector<double> pilot_;
   std::vector<Vec3f> slopes_;

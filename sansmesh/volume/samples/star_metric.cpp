@@ -86,6 +86,7 @@ std::vector<StarMetric> spherical_metrics(const SampledVolume& volume) {
 }
 
 double lattice_step(const std::vector<double>& axis, std::size_t i) {
+  if (axis.size() == 1) return 1;  // single layers have no step
   return std::max(i > 0 ? axis[i] - axis[i - 1] : 0, i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0);
 }
 

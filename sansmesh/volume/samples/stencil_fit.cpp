@@ -184,7 +184,7 @@ bool StencilFit::doubt_outliers(std::size_t components, bool first) {
   }
   if (!any) return false;
   double change = 0;
-  for (std::size_t i = 1; i < n; ++i) {
+  for (std::size_t i = options_.doubt_own ? 0 : 1; i < n; ++i) {
     double exponent = 0;
     for (std::size_t m = 0; m < components; ++m) {
       const double sigma = kSensitivity * scale_[m];

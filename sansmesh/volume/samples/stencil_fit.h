@@ -16,6 +16,7 @@ struct StencilFitOptions {
   bool robust = true;  ///< samples on the other side of a step have no weight
   /// Weights are exp(−‖u‖² / width²), width in units of the local metric. Larger widths smooth more.
   double width = 1.1;
+  bool doubt_own = false;  ///< the sample itself may be an outlier, too
 };
 
 /// Weighted least squares in orthogonal polynomials over a stencil, with adaptive degree and robust weights
@@ -23,7 +24,7 @@ struct StencilFitOptions {
 /// - The degree increases while there are 1.5 samples per polynomial, the variance Σ ψ_j²/⟨ψ_j, ψ_j⟩ of predictions at
 ///   the test points stays bounded, and the leave-one-out error falls by a tenth.
 /// - At a step between materials only the samples on the side of the sample itself count, unless they are coplanar.
-/// - Outliers receive smaller weights, iteratively. The sample itself keeps its weight.
+/// - Outliers receive smaller weights, iteratively. The sample itself keeps its weight, unless `doubt_own`.
 ///
 /// One object per thread; it reuses memory.
 class StencilFit {
