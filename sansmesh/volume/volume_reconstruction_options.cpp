@@ -42,6 +42,8 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
           {.text = "Robust weights that keep steps between materials sharp (mls-detail)", .needs = "method"}),
       option<&O::interpolate>({.text = "Pass through the samples (mls, mls-detail)",
                                .from_data = "on",
+                               .negative_text = "Take the values of polynomials as printed, which filter noise (mls, "
+                                                "mls-detail)",
                                .needs = "method"}),
       option<&O::b>({.text = "B of the BC family (cubic)", .range = {.least = 0, .most = 1}, .needs = "method"}),
       option<&O::c>({.text = "C of the BC family (cubic); 0.5 with B = 0 is Catmull–Rom",
@@ -54,7 +56,8 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
                                .from_data = "means for mls-detail, else centres",
                                .choices = kCellValues}),
       option<&O::logarithm>({.text = "Reconstruct the logarithm of positive values, so that none becomes negative",
-                             .from_data = "on where samples span two decades and follow geometric means"}),
+                             .from_data = "on where samples span two decades and follow geometric means",
+                             .negative_text = "Reconstruct the values themselves, even where they span decades"}),
   };
   static const OptionSchema schema{rows};
   return schema;

@@ -15,6 +15,8 @@ namespace {
 constexpr double kNoiseTails = 2.5, kWithoutTails = 0.9113;  // variance of a normal deviate without its tails
 constexpr std::size_t kFewest = 40;                          // pairs below which nothing can be said
 constexpr double kLikeNoise = 0.05, kAlternating = -0.35, kSpreadOfPair = 0.6;
+/// Share of a bin beyond 2.5 deviations (of the median) above which it is not normal: 0.012 for noise.
+constexpr double kMostTails = 0.04;
 /// Residuals per bin of values or place, and how many of these are needed.
 constexpr std::size_t kInBin = 400, kLeastBins = 4, kMostBins = 32;
 /// Share of the variance of log |residual| that varying noise has to explain: at the first it counts for nothing.
@@ -92,13 +94,20 @@ std::vector<std::array<std::uint32_t, 2>> partners_of(std::size_t n, const std::
   return partners;
 }
 
-/// Deviation of the residuals with these numbers; 0 if they are those of structure, or too few.
+/// Whether as few numbers are large as among normal deviates: steps add more.
+bool without_tails(std::vector<double> magnitudes) {
+  const double most = kNoiseTails * kDeviationOverMedian * median(magnitudes);
+  const auto large = std::count_if(magnitudes.begin(), magnitudes.end(), [&](double m) { return m > most; });
+  return static_cast<double>(large) <= kMostTails * static_cast<double>(magnitudes.size());
+}
+
+/// Deviation of the residuals with these numbers; 0 if they are those of structure or steps, or too few.
 double deviation_in_bin(const std::vector<NoiseResidual>& residuals, std::span<const std::uint32_t> bin,
                         const std::vector<std::array<std::uint32_t, 2>>& partners, double rounding) {
   std::vector<double> magnitudes;
   for (const std::uint32_t i : bin)
     if (const double r = std::abs(residuals[i].residual); r > rounding) magnitudes.push_back(r);
-  if (magnitudes.size() < kInBin / 2) return 0;
+  if (magnitudes.size() < kInBin / 2 || !without_tails(magnitudes)) return 0;
   const double s = trimmed_deviation(std::move(magnitudes));
   SignCorrelation signs;
   for (const std::uint32_t i : bin)

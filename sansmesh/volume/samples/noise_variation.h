@@ -30,7 +30,8 @@ struct NoiseByPlace {
   double at(const Vec3& position) const;
 };
 
-/// What is known of the noise at a sample: the value predicted from its neighbours and the residual of this prediction.
+/// What is known of the noise at a sample: the value predicted from its neighbours, and the residual of this prediction,
+/// which is NaN beside steps.
 struct NoiseResidual {
   double value = 0, residual = 0;
   Vec3 position;
@@ -61,8 +62,8 @@ class SignCorrelation {
   std::size_t count_ = 0;
 };
 
-/// How the deviation depends on the value: deviations of residuals with similar values, without those that unresolved
-/// structure causes, and with the monotone curve of least sum of distances through their logarithms. Empty if it
+/// How the deviation depends on the value: deviations of residuals with similar values, without those that
+/// unresolved structure causes, and with the monotone curve of least sum of distances through their logarithms. Empty if it
 /// explains less than 0.4 % of the variance of log |residual|; up to 1.2 % the curve is flattened.
 NoiseByValue noise_by_value(const std::vector<NoiseResidual>& residuals, const std::vector<ResidualPair>& pairs,
                             double deviation, double rounding);
