@@ -25,10 +25,10 @@ struct SANSMESH_API VolumeReconstructionOptions {
   std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
   /// Highest degree of polynomials: mls, mls-detail: 0..4; lagrange: 1..5; amls: 0..2, with 0 for values alone.
   std::optional<int> degree = {};
-  std::optional<int> iterations = {};      ///< amls: number of iterations that add residuals, 0..100
-  std::optional<double> epsilon = {};      ///< amls: shape parameter ε, 0.05..10; smaller is smoother
-  std::optional<int> order = {};           ///< amls: 2, 4 or 6
-  std::optional<double> radius = {};       ///< support radius in spacings, 1..10, for methods with supports
+  std::optional<int> iterations = {};  ///< amls: number of iterations that add residuals, 0..100
+  std::optional<double> epsilon = {};  ///< amls: shape parameter ε, 0.05..10; smaller is smoother
+  std::optional<int> order = {};       ///< amls: 2, 4 or 6
+  std::optional<double> radius = {};   ///< support radius in spacings, 1..10, for methods with supports
   /// amls: spherical supports with the radius of the farthest neighbour instead of ellipsoids, for comparison. Not for
   /// lattices (uniform and rectilinear grids): their supports follow the steps.
   std::optional<bool> spherical = {};
@@ -36,7 +36,7 @@ struct SANSMESH_API VolumeReconstructionOptions {
   /// mls, mls-detail: whether the field passes through the (smoothed) samples. Otherwise it is the polynomial as
   /// printed in the thesis, without its residuals and without linear interpolation where it is doubtful.
   std::optional<bool> interpolate = {};
-  double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; the default is Catmull–Rom
+  double b = 0, c = 0.5;  ///< cubic: B and C, 0..1 each; the default is Catmull–Rom
   /// All methods: factor of the estimated noise by which the samples are smoothed first; 0: samples are used as they
   /// are. Default: 1 if noise is found.
   std::optional<double> smoothing = {};

@@ -133,16 +133,16 @@ SANSMESH_API std::string volume_name(const std::vector<std::string>& files);
 
 /// A volume as it was used.
 struct SANSMESH_API VolumeUse {
-  std::string format;              ///< format of its file
-  std::string array;               ///< selected array
-  std::string method;              ///< reconstruction method; empty without one
-  std::string why;                 ///< reason for the method, if the library chose it
-  std::size_t samples = 0;         ///< samples of the array
-  std::string grid;                ///< description of the grid
-  std::vector<std::string> notes;  ///< notes on the values
-  double smoothing = 0;            ///< factor of the noise by which the samples were smoothed; 0: not smoothed
-  double noise = 0;                ///< deviation of the noise (unit of the array), if the samples were smoothed
-  std::optional<bool> logarithm = {};          ///< whether the logarithm is reconstructed, once a field is made
+  std::string format;                  ///< format of its file
+  std::string array;                   ///< selected array
+  std::string method;                  ///< reconstruction method; empty without one
+  std::string why;                     ///< reason for the method, if the library chose it
+  std::size_t samples = 0;             ///< samples of the array
+  std::string grid;                    ///< description of the grid
+  std::vector<std::string> notes;      ///< notes on the values
+  double smoothing = 0;                ///< factor of the noise by which the samples were smoothed; 0: not smoothed
+  double noise = 0;                    ///< deviation of the noise (unit of the array), if the samples were smoothed
+  std::optional<bool> logarithm = {};  ///< whether the logarithm is reconstructed, once a field is made
   std::optional<CellValues> cell_values = {};  ///< meaning of values in cells, once a field is made
 
   static const ReportSchema& schema();  ///< report rows
@@ -287,8 +287,8 @@ SANSMESH_API void check_smoothed_writable(const std::string& file, const VolumeM
 /// Noise of each array as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const SmoothVolumeReport& report);
 
-/// Writes smoothed samples: .vtu (any grid), .vti (uniform grids with values at points), .mhd, .mha or .nrrd (such grids
-/// with one array). Throws FileError, ArgumentError for other grids and for more arrays.
+/// Writes smoothed samples: .vtu (any grid), .vti (uniform grids with values at points), .mhd, .mha or .nrrd (such
+/// grids with one array). Throws FileError, ArgumentError for other grids and for more arrays.
 SANSMESH_API void write_smoothed(const std::string& file, const SmoothVolumeResult& smoothed);
 
 // ---- Fitting -----------------------------------------------------------------------------------------------------

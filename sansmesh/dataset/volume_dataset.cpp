@@ -71,8 +71,9 @@ bool is_held(const FittedVolume& fitted, const std::string& array, const VolumeR
   if (!asked.method) return true;
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
          same(asked.epsilon, held.epsilon) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
-         same(asked.robust, held.robust) && same(asked.interpolate.value_or(true), held.interpolate.value_or(true)) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&
-         asked.b == held.b && asked.c == held.c;
+         same(asked.robust, held.robust) && same(asked.interpolate.value_or(true), held.interpolate.value_or(true)) &&
+         (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) && asked.b == held.b &&
+         asked.c == held.c;
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ class VolumeDataset {
   std::size_t default_ = 0;
   std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;
   std::optional<FittedVolume> fitted_;
-  std::map<std::string, SampleNoise> noise_;  ///< of the arrays examined so far
+  std::map<std::string, SampleNoise> noise_;  ///< arrays examined so far
 };
 
 }  // namespace sansmesh::inline v1

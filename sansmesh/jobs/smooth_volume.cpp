@@ -133,18 +133,20 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
     smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise});
   }
   if (too_many)
-    smoothed.notes.push_back({.code = "too_many",
-                              .text = fmt::format("noise was found, but {} take minutes to smooth: values are unchanged",
-                                                  counted(samples->size(), "sample")),
-                              .remedy = "`smoothing` 1 smooths them",
-                              .severity = Note::Severity::warning,
-                              .of = volume.name()});
+    smoothed.notes.push_back(
+        {.code = "too_many",
+         .text = fmt::format("noise was found, but {} take minutes to smooth: values are unchanged",
+                             counted(samples->size(), "sample")),
+         .remedy = "`smoothing` 1 smooths them",
+         .severity = Note::Severity::warning,
+         .of = volume.name()});
   else if (!changed)
-    smoothed.notes.push_back({.code = "no_noise",
-                              .text = "no noise was found: the values are unchanged",
-                              .remedy = factor.value_or(0) > 0 ? "" : "`smoothing` 1 smooths by the largest noise that there may be",
-                              .severity = Note::Severity::information,
-                              .of = volume.name()});
+    smoothed.notes.push_back(
+        {.code = "no_noise",
+         .text = "no noise was found: the values are unchanged",
+         .remedy = factor.value_or(0) > 0 ? "" : "`smoothing` 1 smooths by the largest noise that there may be",
+         .severity = Note::Severity::information,
+         .of = volume.name()});
   smoothed.report.samples = samples->size();
   smoothed.samples = std::move(result);
   return smoothed;

@@ -30,8 +30,8 @@ std::vector<double> scalar_values(const VolumeValues& all, const ArrayChoice& ch
   return values;
 }
 
-/// Standard deviation of the noise that was found, which what remains of it is correlated with: surfaces need widths for
-/// all of it. Otherwise the residual of local parabolas, if that of planes is no larger; 0 for resolved volumes.
+/// Standard deviation of the noise that was found, which what remains of it is correlated with: surfaces need widths
+/// for all of it. Otherwise the residual of local parabolas, if that of planes is no larger; 0 for resolved volumes.
 double noise_of_surface(const VolumeTraits& traits) {
   return traits.resolved() && !traits.noisy ? 0 : traits.noise * traits.range;
 }

@@ -97,7 +97,7 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
   if (!offer.values)
     return {fmt::format("{}, {} ({}), no arrays", counted(facts.points, "point"), counted(facts.cells, "cell"),
                         facts.grid)};
-  const char* const then = !t.noisy                        ? ""
+  const char* const then = !t.noisy                      ? ""
                            : smoothed_unasked(t.samples) ? ", smoothed first"
                                                          : ", smoothed only on request";
   return {fmt::format("{} of {} ({}{})", counted(t.samples, "sample"), advice.array, facts.grid,

@@ -292,7 +292,8 @@ const ReportSchema& VolumeUse::schema() {
           {.name = "noise", .text = "Deviation of the noise of the samples", .unit = "value"}),
       reported<&VolumeUse::logarithm>({.text = "Whether the logarithm is reconstructed, once a field is made"}),
       reported<[](const VolumeUse& r) {
-        return value_if(r.cell_values.has_value(), std::string(r.cell_values == CellValues::means ? "means" : "centres"));
+        return value_if(r.cell_values.has_value(),
+                        std::string(r.cell_values == CellValues::means ? "means" : "centres"));
       }>({.name = "cell_values", .text = "Meaning of values in cells: means or centres"})};
   return report_schema<rows>();
 }

@@ -63,7 +63,8 @@ constexpr OptionsOfJob kFirst[] = {
 
 /// Options that select variants of the published methods, for comparisons.
 constexpr std::string_view kOfProjections = "normal reference-plane polynomial flow diffusion diffusion-threshold tau";
-constexpr std::string_view kOfReconstructions = "spherical no-spherical robust no-robust interpolate no-interpolate b c";
+constexpr std::string_view kOfReconstructions =
+    "spherical no-spherical robust no-robust interpolate no-interpolate b c";
 constexpr OptionsOfJob kOfSources[] = {
     {"reconstruct", "fit threshold coverage mesher displacement"},
     {"fit", "fit threshold coverage"},

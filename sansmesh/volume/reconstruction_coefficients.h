@@ -19,8 +19,8 @@ struct ReconstructionCoefficients {
   SharedArray<float> radii;      ///< support radii in the local metrics; empty where cells are blended
   /// Powers of two that scaled the values before the fit, one per component; empty: not scaled.
   std::vector<double> scales;
-  /// Samples after smoothing (unit of the array, all components of each), so that they need not be smoothed again; empty
-  /// if they are not smoothed.
+  /// Samples after smoothing (unit of the array, all components of each), so that they need not be smoothed again;
+  /// empty if they are not smoothed.
   SharedArray<double> smoothed;
   double noise = 0;            ///< deviation of the noise that was smoothed (of the component with most)
   bool keep_smoothed = false;  ///< asks a fit for `smoothed`

@@ -22,10 +22,11 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
   static const OptionRow rows[] = {
       option<&O::method, Words>(
           {.text = method, .from_data = "from grid, resolution and noise", .choices = Words::names()}),
-      option<&O::degree>({.text = "Highest degree of polynomials: 0..4 for mls and mls-detail, 0..2 for amls, 1..5 for lagrange",
-                          .unit = "degree",
-                          .range = {.least = 0, .most = 5},
-                          .needs = "method"}),
+      option<&O::degree>(
+          {.text = "Highest degree of polynomials: 0..4 for mls and mls-detail, 0..2 for amls, 1..5 for lagrange",
+           .unit = "degree",
+           .range = {.least = 0, .most = 5},
+           .needs = "method"}),
       option<&O::iterations>({.text = "Number of iterations that add residuals (amls)",
                               .range = {.least = 0, .most = 100},
                               .needs = "method"}),

@@ -44,7 +44,8 @@ TEST(SmoothVolume, FilesThatCannotHoldTheResultAreRefusedFirst) {
     const SmoothVolumeResult both = smooth_volume(lattice, {.deviations = true}, progress);
     EXPECT_THROW(write_smoothed(folder / image, both), ArgumentError);
   }
-  for (const char* any : {"a.vti", "a.vtu"}) EXPECT_NO_THROW(check(lattice, any, {.all_arrays = true, .deviations = true}));
+  for (const char* any : {"a.vti", "a.vtu"})
+    EXPECT_NO_THROW(check(lattice, any, {.all_arrays = true, .deviations = true}));
   VolumeModelOptions of_cells;
   of_cells.array = "cell";
   GridData data = noisy_wave(6);

@@ -44,8 +44,8 @@ std::pair<double, double> noisy_step_errors(const std::string& method, bool inte
   const VolumeFunction step = [](const Vec3& x) { return 0.8 * x.x + 0.6 * x.y < 0.63 ? 1.0 : 0.0; };
   std::mt19937 random(31);
   std::normal_distribution<double> normal;
-  const auto volume = volume_of(
-      lattice_grid({20, 20, 20}, [&](const Vec3& x) { return step(x) + kSigma * normal(random); }));
+  const auto volume =
+      volume_of(lattice_grid({20, 20, 20}, [&](const Vec3& x) { return step(x) + kSigma * normal(random); }));
   const auto field = printed_field(volume, method, interpolate);
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < volume->size(); ++i) x.push_back(volume->position(i));

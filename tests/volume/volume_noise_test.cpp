@@ -276,7 +276,8 @@ TEST(VolumeNoise, NoiseThatGrowsWithTheSignalIsFollowed) {
     const SmoothedValues result = smooth(*volume, values);
     for (const double low : {0.8, 1.8}) {
       const auto part = [&](const Vec3& x) { return f(x) > low && f(x) < low + 0.3; };
-      EXPECT_LT(error_of(*volume, result.values.values, f, part), 0.5 * sigma(low + 0.15, {})) << grid.name << ", " << low;
+      EXPECT_LT(error_of(*volume, result.values.values, f, part), 0.5 * sigma(low + 0.15, {}))
+          << grid.name << ", " << low;
     }
   }
 }

@@ -210,9 +210,8 @@ NoiseByValue noise_by_value(const std::vector<NoiseResidual>& residuals, const s
   if (2 * logs.size() < bins || logs.size() < kLeastBins) return {};
   logs = monotone(logs);
   for (const double l : logs) curve.factors.push_back(std::exp(l));
-  const double use = use_of(residuals, deviation, rounding, bins, [&](const NoiseResidual& r) {
-    return curve.at(r.value);
-  });
+  const double use =
+      use_of(residuals, deviation, rounding, bins, [&](const NoiseResidual& r) { return curve.at(r.value); });
   if (!(use > 0)) return {};
   for (std::size_t i = 0; i < logs.size(); ++i) curve.factors[i] = std::exp(use * logs[i]);
   return curve;
@@ -232,12 +231,13 @@ NoiseByPlace noise_by_place(const std::vector<NoiseResidual>& residuals, const s
   for (std::size_t k = 0; k < 3; ++k) map.nodes[k] = box.size()[k] > 0 ? nodes : 1;
   const auto partners = partners_of(residuals.size(), pairs);
   std::vector<double> logs(map.nodes[0] * map.nodes[1] * map.nodes[2], std::numeric_limits<double>::quiet_NaN());
-  const auto of_axis = [&](double x, std::size_t k) { return map.nodes[k] > 1 ? (x - box.lower[k]) / box.size()[k] : 0; };
+  const auto of_axis = [&](double x, std::size_t k) {
+    return map.nodes[k] > 1 ? (x - box.lower[k]) / box.size()[k] : 0;
+  };
   parallel_for(0, logs.size(), 1, [&](std::size_t node) {
     std::array<double, 3> at{};
     for (std::size_t k = 0, rest = node; k < 3; rest /= map.nodes[k], ++k)
-      if (map.nodes[k] > 1)
-        at[k] = static_cast<double>(rest % map.nodes[k]) / static_cast<double>(map.nodes[k] - 1);
+      if (map.nodes[k] > 1) at[k] = static_cast<double>(rest % map.nodes[k]) / static_cast<double>(map.nodes[k] - 1);
     std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t i : used) {
       double square = 0;
@@ -262,9 +262,8 @@ NoiseByPlace noise_by_place(const std::vector<NoiseResidual>& residuals, const s
     if (std::isnan(l)) l = usual;
     map.factors.push_back(std::exp(l));
   }
-  const double use = use_of(residuals, deviation, rounding, bins, [&](const NoiseResidual& r) {
-    return map.at(r.position);
-  });
+  const double use =
+      use_of(residuals, deviation, rounding, bins, [&](const NoiseResidual& r) { return map.at(r.position); });
   if (!(use > 0)) return {};
   for (std::size_t i = 0; i < logs.size(); ++i) map.factors[i] = std::exp(use * logs[i]);
   return map;

@@ -24,14 +24,14 @@ struct NoiseByValue {
 struct NoiseByPlace {
   Box3 box;
   std::array<std::size_t, 3> nodes{};
-  std::vector<double> factors;  ///< of node i + nx (j + ny k)
+  std::vector<double> factors;  ///< node i + nx (j + ny k)
 
   bool empty() const { return factors.empty(); }
   double at(const Vec3& position) const;
 };
 
-/// What is known of the noise at a sample: the value predicted from its neighbours, and the residual of this prediction,
-/// which is NaN beside steps.
+/// What is known of the noise at a sample: the value predicted from its neighbours, and the residual of this
+/// prediction, which is NaN beside steps.
 struct NoiseResidual {
   double value = 0, residual = 0;
   Vec3 position;
@@ -63,8 +63,8 @@ class SignCorrelation {
 };
 
 /// How the deviation depends on the value: deviations of residuals with similar values, without those that
-/// unresolved structure causes, and with the monotone curve of least sum of distances through their logarithms. Empty if it
-/// explains less than 0.4 % of the variance of log |residual|; up to 1.2 % the curve is flattened.
+/// unresolved structure causes, and with the monotone curve of least sum of distances through their logarithms. Empty
+/// if it explains less than 0.4 % of the variance of log |residual|; up to 1.2 % the curve is flattened.
 NoiseByValue noise_by_value(const std::vector<NoiseResidual>& residuals, const std::vector<ResidualPair>& pairs,
                             double deviation, double rounding);
 /// How it depends on the place, from the residuals nearest to each node of a lattice in `box`.

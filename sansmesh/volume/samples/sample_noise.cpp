@@ -15,14 +15,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kRows = 5000;                          // examined rows of neighbours
-constexpr std::size_t kParabolaNeighbours = 56;              // parabolas have that many
-constexpr std::size_t kFewestResiduals = 80;                 // fewer say nothing
-constexpr double kMostPredicted = 3;                         // variance of a prediction, in variances of a sample
-constexpr double kWave = 0.3;                                // most correlation of noise two steps apart
-constexpr std::size_t kInRow = 3;         // samples of a row: two neighbours, and the next behind them
-constexpr double kQuanta = 0.6;           // noise below is rounding to integers
-constexpr double kRoundedToFloat = 2e-6;  // relative to the largest value: rounding to floats
+constexpr std::size_t kRows = 5000;              // examined rows of neighbours
+constexpr std::size_t kParabolaNeighbours = 56;  // parabolas have that many
+constexpr std::size_t kFewestResiduals = 80;     // fewer say nothing
+constexpr double kMostPredicted = 3;             // variance of a prediction, in variances of a sample
+constexpr double kWave = 0.3;                    // most correlation of noise two steps apart
+constexpr std::size_t kInRow = 3;                // samples of a row: two neighbours, and the next behind them
+constexpr double kQuanta = 0.6;                  // noise below is rounding to integers
+constexpr double kRoundedToFloat = 2e-6;         // relative to the largest value: rounding to floats
 
 /// Deviation over the range of the values below which unstructured cells may have no noise: means over cells of
 /// different shapes differ from each other as noise does.
@@ -188,8 +188,8 @@ std::vector<double> magnitudes_of(const Rows& rows, std::size_t m, double roundi
 }
 
 /// The residuals of a component, and which of them are neighbours.
-void take_component(const SampledVolume& volume, const Rows& rows, std::size_t m,
-                    std::vector<NoiseResidual>& residuals, std::vector<ResidualPair>& pairs) {
+void take_component(const SampledVolume& volume, const Rows& rows, std::size_t m, std::vector<NoiseResidual>& residuals,
+                    std::vector<ResidualPair>& pairs) {
   residuals.clear(), pairs.clear();
   for (std::size_t i = 0; i < rows.sample.size(); ++i) {
     const std::size_t at = i * rows.components + m;

@@ -19,7 +19,7 @@ struct SampleNoise {
   std::vector<double> typical;  ///< per component, of the volume as a whole
   std::vector<NoiseByValue> by_value;  ///< per component: factors of the deviation
   NoiseByPlace by_place;               ///< further factors
-  double correlation = 0;  ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
+  double correlation = 0;              ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
 
   bool varies() const;
   /// Deviation of a component where it has this value.

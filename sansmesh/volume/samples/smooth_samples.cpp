@@ -341,10 +341,10 @@ class SampleSmoother {
   const SampledVolume& volume_;
   const VolumeValues& values_;
   std::span<const StarMetric> metrics_;
-  std::vector<double> deviations_;  ///< deviations of the noise, per component
-  std::vector<double> inverse_;     ///< inverse squares of the deviations, 0 without noise
+  std::vector<double> deviations_;      ///< deviations of the noise, per component
+  std::vector<double> inverse_;         ///< inverse squares of the deviations, 0 without noise
   const SampleNoise* noise_ = nullptr;  ///< noise that varies
-  std::vector<float> factors_;          ///< of the variance at each sample, if it varies
+  std::vector<float> factors_;          ///< factors of the variance at each sample, if it varies
   std::size_t n_, c_;
   std::vector<double> pilot_;
   std::vector<Vec3f> slopes_;
