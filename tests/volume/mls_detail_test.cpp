@@ -302,8 +302,12 @@ TEST(MlsDetail, ReportsSparseSamples) {
   const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
   Progress progress;
   VolumeReconstructionReport report;
-  reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report);
+  reconstruct_volume(volume, "f", {.method = "mls-detail", .smoothing = 0}, progress, &report);
   EXPECT_EQ(report.notes.size(), 1u);
+  // What remains of noise is no sparsity.
+  reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report);
+  EXPECT_EQ(report.options.smoothing, 1);
+  EXPECT_TRUE(report.notes.empty());
   VolumeReconstructionReport fine;
   reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {.method = "mls-detail"}, progress, &fine);
   EXPECT_TRUE(fine.notes.empty());
