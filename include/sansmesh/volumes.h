@@ -363,6 +363,41 @@ SANSMESH_API VolumeInfo volume_info(const VolumeModel& volume, Progress& progres
 /// All facts as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
 
+/// Estimated errors of linear interpolation.
+struct SANSMESH_API ResolutionReport {
+  std::string array;      ///< array
+  double range = 0;       ///< range of its values; of vectors the diagonal of the box of their components
+  double mean = 0;        ///< mean over the samples (unit of the array)
+  double median = 0;      ///< median
+  double high = 0;        ///< 99 % of the samples have at most this error
+  double most = 0;        ///< largest error
+  Vec3 most_at = {};      ///< its sample
+  double unresolved = 0;  ///< share of samples at which polynomials of neighbours disagree
+  double finer = 1;       ///< factor of the samples per length for errors of 1 % of the range at 99 % of the samples
+
+  static const ReportSchema& schema();  ///< report rows
+};
+
+/// The estimated errors of a volume.
+struct ResolutionResult {
+  std::shared_ptr<const SampledVolume> samples;  ///< samples and cells, with an array "error": mean over their cells
+  ResolutionReport report;                       ///< statistics
+  std::vector<Note> notes;                       ///< "unresolved": at a third of the samples polynomials disagree
+};
+
+/// Estimates the error of linear interpolation in the cells of each sample by what polynomials of higher degree predict
+/// (docs/methods/volume-resolution.md). Throws ArgumentError without an array, DataError, Cancelled.
+SANSMESH_API ResolutionResult estimate_resolution(const VolumeModel& volume, Progress& progress);
+
+/// Statistics as lines of text.
+SANSMESH_API std::vector<std::string> summary_of(const ResolutionReport& report);
+
+/// Writes the array "error" as write_smoothed().
+SANSMESH_API void write_resolution(const std::string& file, const ResolutionResult& resolution);
+
+/// The array "error" as a volume, for pictures.
+SANSMESH_API VolumeModel resolution_volume(const ResolutionResult& resolution, const std::string& name);
+
 /// Advice on a volume: possible results, methods and arrays.
 struct SANSMESH_API VolumeAdvice {
   VolumeFacts facts;        ///< facts about the grid

@@ -14,11 +14,18 @@ class ScaledVolume : public VolumeField {
  public:
   /// `factors`: one per component, positive. Throws ArgumentError for another number of factors.
   ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector<double> factors);
+  /// The same; a LevelField if `field` is one.
+  static std::unique_ptr<VolumeField> of(std::shared_ptr<const VolumeField> field, std::vector<double> factors);
   Box3 bounds() const override { return field_->bounds(); }
   std::size_t components() const override { return field_->components(); }
   void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override;
   void spacing(std::span<const Vec3> x, std::span<double> found) const override { field_->spacing(x, found); }
   void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
+
+ protected:
+  const VolumeField& field() const { return *field_; }
+  double factor(std::size_t component) const { return factors_[component]; }
+  void scale(const VolumeFieldValues& wanted) const;
 
  private:
   std::shared_ptr<const VolumeField> field_;

@@ -46,6 +46,12 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
     });
     std::vector<double> values(x.size() * field->components());
     field->query({.points = x}, {.values = values});
+    // Between samples linear interpolation is within their range: what is beyond is extrapolated at the surface.
+    const DatasetArray& array = dataset_of(volume).array(name);
+    const std::size_t components = array.components;
+    for (std::size_t i = 0; components == field->components() && i < values.size(); ++i)
+      if (const std::size_t c = i % components; !std::isnan(array.least[c]))
+        values[i] = std::clamp(values[i], array.least[c], array.most[c]);
     constexpr double kMost = std::numeric_limits<float>::max();
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
       result.notes.push_back(

@@ -13,6 +13,7 @@
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 
 namespace sansmesh::inline v1 {
@@ -26,8 +27,8 @@ std::unique_ptr<IsosurfaceInTime> field_in_time(const VolumeSeries& series, doub
   std::vector<IsosurfaceStep> steps;
   for (std::size_t i = 0; i < series.steps.size(); ++i) {
     const VolumeModel& v = series.steps[i];
-    steps.push_back({series.times[i], v.samples(progress), v.field(progress, notes),
-                     [&v](std::size_t n) { return v.sample_value(n); }});
+    const auto field = v.field(progress, notes);
+    steps.push_back({series.times[i], v.samples(progress), field, reconstructed_samples(v, *field)});
   }
   try {
     return std::make_unique<IsosurfaceInTime>(std::move(steps), value);

@@ -6,6 +6,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/turntable.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/edit/tubes.h"
@@ -99,6 +100,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
     s.opacity = volume.field(volume.scalar_choice(options.opacity_by, "opacity_by"), progress, s.notes);
   VolumeSubject subject = volume_subject(*s.samples, s.boundary);
   subject.field = s.field.get(), subject.opacity = s.opacity.get();
+  subject.values = range_of_samples(volume, progress);
   if (options.baked) {
     BakeOptions bake;
     bake.tolerance = options.bake_error;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -207,9 +209,9 @@ std::shared_ptr<const Isosurface> VolumeModel::isosurface(double value, Progress
   check_scalar();
   const auto values = field(progress, notes);
   progress.begin("find surface");
+  const auto of_sample = reconstructed_samples(*this, *values);
   return with_name(name(), [&] {
-    return std::make_shared<const Isosurface>(
-        state_->samples, values, [&](std::size_t i) { return sample_value(i); }, value);
+    return std::make_shared<const Isosurface>(state_->samples, values, of_sample, value);
   });
 }
 
@@ -236,6 +238,29 @@ double VolumeModel::value_or_middle(const std::optional<double>& value) const {
   check_argument(value || state_->choice.component || array().components == 1,
                  "`value` is needed for arrays of several components");
   return value ? *value : middle_value();
+}
+
+std::function<double(std::size_t)> reconstructed_samples(const VolumeModel& volume, const VolumeField& field) {
+  if (!(volume.report().options.smoothing.value_or(0) > 0))
+    return [&volume](std::size_t i) { return volume.sample_value(i); };
+  Progress progress;
+  const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
+  std::vector<Vec3> x(samples->size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = samples->position(i);
+  auto values = std::make_shared<std::vector<double>>(x.size());
+  field.evaluate(x, {*values});
+  return [values](std::size_t i) { return (*values)[i]; };
+}
+
+std::optional<ValueRange> range_of_samples(const VolumeModel& volume, Progress& progress) {
+  const std::size_t n = volume.samples(progress)->size();
+  constexpr double kEnd = std::numeric_limits<double>::infinity();
+  ValueRange range{kEnd, -kEnd};
+  for (std::size_t i = 0; i < n; ++i) {
+    const double v = volume.sample_value(i);
+    if (std::isfinite(v)) range = {std::min(range.least, v), std::max(range.most, v)};
+  }
+  return range.least <= range.most ? std::optional(range) : std::nullopt;
 }
 
 double VolumeModel::middle_value() const {

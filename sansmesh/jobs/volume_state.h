@@ -1,6 +1,7 @@
 // Internal state of a VolumeModel.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,5 +41,12 @@ inline VolumeDataset& dataset_of(const VolumeModel& volume) { return *volume.sta
 
 /// The given method; otherwise that of a fitted volume, or the recommended one.
 VolumeReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress);
+
+/// Values at the samples for the ranges of isosurfaces of the field of the selected array: those of the field if it
+/// smooths, the samples' own otherwise. `volume` must outlive the function.
+std::function<double(std::size_t)> reconstructed_samples(const VolumeModel& volume, const VolumeField& field);
+
+/// Range of the selected array's samples (sample_value); none without finite values.
+std::optional<ValueRange> range_of_samples(const VolumeModel& volume, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -174,7 +174,7 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   r.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;
   for (double& f : factors) f = 1 / f;
-  return std::make_unique<ScaledVolume>(std::move(field), std::move(factors));
+  return ScaledVolume::of(std::move(field), std::move(factors));
 }
 
 }  // namespace sansmesh::inline v1

@@ -104,7 +104,8 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
   return h;
 }
 
-ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> samples) {
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> samples,
+                               const std::optional<ValueRange>& held) {
   if (field.components() != 1) throw ArgumentError("a histogram needs a field of one component");
   const Box3 box = field.bounds();
   if (box.empty() || !(box.diagonal() > 0)) throw DataError("the volume has no extent");
@@ -120,6 +121,8 @@ ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std
     }
   }
   if (found.values.empty()) throw DataError("no point of the volume was found in its box");
+  if (held)
+    for (double& v : found.values) v = std::clamp(v, held->least, held->most);
   ValueHistogram h = value_histogram(found.values, found.slopes);
   h.diagonal = box.diagonal();
   const double share = static_cast<double>(std::max<std::size_t>(1, inside)) / static_cast<double>(points);

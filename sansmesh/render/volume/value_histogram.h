@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
 
@@ -33,8 +35,8 @@ std::vector<Vec3> selected_points(std::span<const Vec3> samples, std::size_t mos
 /// the volume. If fewer than one in 50 are inside (thin shells, scattered parts), as many of the `samples` are added
 /// without a test; they must be in the volume or on its boundary (usually its samples; non-finite ones are left out).
 /// Without samples, finer lattices of up to 64 times as many points are tried until a point is inside. Throws DataError
-/// if none is.
+/// if none is. Values beyond `held`, which is extrapolated, count as its ends.
 ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000,
-                               std::span<const Vec3> samples = {});
+                               std::span<const Vec3> samples = {}, const std::optional<ValueRange>& held = {});
 
 }  // namespace sansmesh::inline v1

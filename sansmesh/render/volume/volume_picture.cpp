@@ -162,23 +162,23 @@ class VolumePicture::Work {
   const PictureFrame& frame() const { return frame_; }
   /// Computed on first use: not needed if colours are given.
   const ValueHistogram& histogram() const {
-    std::call_once(histogram_once_, [&] { histogram_ = histogram_of(*subject_.field); });
+    std::call_once(histogram_once_, [&] { histogram_ = histogram_of(*subject_.field, subject_.values); });
     return histogram_;
   }
 
  private:
   const ValueHistogram& opacity_histogram() const {
-    std::call_once(opacity_once_, [&] { opacity_histogram_ = histogram_of(*subject_.opacity); });
+    std::call_once(opacity_once_, [&] { opacity_histogram_ = histogram_of(*subject_.opacity, {}); });
     return opacity_histogram_;
   }
 
-  ValueHistogram histogram_of(const VolumeField& field) const {
+  ValueHistogram histogram_of(const VolumeField& field, const std::optional<ValueRange>& held) const {
     const TriangleMesh* mesh = subject_.boundary;
-    if (!subject_.samples.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.samples);
+    if (!subject_.samples.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.samples, held);
     std::vector<Vec3> vertices;
     vertices.reserve(mesh->vertices.size());
     for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
-    return value_histogram(field, kHistogramPoints, vertices);
+    return value_histogram(field, kHistogramPoints, vertices, held);
   }
 
   std::vector<std::string> notes(const VolumePictureOptions& options) const {

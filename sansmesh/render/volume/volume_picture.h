@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ struct VolumeSubject {
   /// Points known to be in the volume or on its boundary, usually its samples. If the volume fills so little of its box
   /// that few lattice points hit it, the histogram uses these. Default: the vertices of the boundary.
   std::span<const Vec3> samples = {};
+  /// Range of the samples' values, if known: ranges of colours and reports do not leave it.
+  std::optional<ValueRange> values = {};
   /// Points that the picture must show; default: the boundary, or the box of the field.
   std::span<const Vec3> framed = {};
   /// Positive in gaps that cuts have opened in the volume, about the distance to their faces there and nearby, in the

@@ -59,7 +59,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
     for (std::size_t i = 0; i < reached.size(); ++i) reached[i] -= iteration.residuals()[i];
     fitted.constants = std::move(reached);
     const std::vector<std::uint8_t> unsplit(volume.size());
-    trust = polynomial_trust(volume, input.values, fitted, unsplit, false);
+    trust = polynomial_trust(volume, input.values, fitted, {}, unsplit, false);
     for (float& t : trust) t = amls_share(t);
   }
   local.trust = std::move(trust);

@@ -92,7 +92,7 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
     CellFronts fronts;
     if (means && local.fit.robust) fronts = find_cell_fronts(*input.volume, input.values, polynomials, input.logarithm);
     return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values,
-                              std::move(fronts));
+                              input.logarithm, std::move(fronts));
   }
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));

@@ -11,11 +11,11 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/field/level_field.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
-#include "sansmesh/volume/cells/cell_finder.h"
 #include "sansmesh/volume/kernels/support_kernels.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
 #include "sansmesh/volume/methods/front_share.h"
 #include "sansmesh/volume/methods/grouped_field.h"
+#include "sansmesh/volume/methods/linear_share.h"
 #include "sansmesh/volume/samples/support_index.h"
 
 namespace sansmesh::inline v1 {
@@ -26,113 +26,14 @@ using detail::SupportTile;
 
 constexpr float kNoSupport = 1e-20f;
 
-// Linear interpolation of cell data, and its share.
-class LinearShare {
- public:
-  LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials)
-      : volume_(volume), any_(volume.cells.size(), 0) {
-    const std::size_t n = volume.size(), c = values.components;
-    joint_.components = c + 1;
-    joint_.values.resize(n * (c + 1));
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t m = 0; m < c; ++m) joint_.values[i * (c + 1) + m] = values.values[i * c + m];
-      const double doubt = 1 - static_cast<double>(polynomials.trust[i]);
-      share_of(i) = worth(doubt * doubt);
-    }
-    const std::vector<std::uint8_t> border = border_cells(volume);
-    for (std::size_t cell = 0; cell < border.size(); ++cell)
-      if (border[cell] != 0) share_of(volume.cell_sample[cell]) = 0;
-    interpolant_.emplace(volume, joint_);
-    const Adjacency around = cells_of_points(volume.cells, volume.corners.size());
-    parallel_ranges(0, volume.corners.size(), 512, [&](std::size_t begin, std::size_t end) {
-      Near near;
-      for (std::size_t k = begin; k < end; ++k) {
-        const auto cells = around[k];
-        double share = 0;
-        if (std::none_of(cells.begin(), cells.end(), [&](std::uint32_t cell) { return border[cell] != 0; })) {
-          for (const std::uint32_t cell : cells)
-            share += share_of(volume.cell_sample[cell]) / static_cast<double>(cells.size());
-          if (interpolant_->is_outer(k)) share = std::max(share, worth(outer_share(polynomials, k, cells, near)));
-        }
-        interpolant_->set_at_corner(k, c, share);
-      }
-    });
-    parallel_for(0, any_.size(), 4096, [&](std::size_t cell) {
-      bool any = share_of(volume.cell_sample[cell]) > 0;
-      for (const std::uint32_t k : volume.cells[cell]) any = any || interpolant_->at_corner(k, c) > 0;
-      any_[cell] = any ? 1 : 0;
-    });
-  }
-
-  const CellInterpolant& interpolant() const { return *interpolant_; }
-  /// Whether the share is positive anywhere in a cell.
-  bool has(std::size_t cell) const { return any_[cell] != 0; }
-  /// Values, and the share as the last one; and their gradients, if requested.
-  void evaluate(const CellLocation& location, const Vec3& x, std::span<double> values,
-                std::span<Vec3> gradients) const {
-    interpolant_->evaluate(location, x, values, gradients);
-  }
-
- private:
-  // Variance of a correction, in squares of its difference to the correction by the next samples.
-  static constexpr double kDisagreement = 2.5;
-
-  struct Near {
-    std::vector<std::uint32_t> own, next;
-  };
-
-  // Shares below a hundredth are skipped to save time.
-  static double worth(double share) { return share < 0.01 ? 0 : share; }
-  double& share_of(std::size_t sample) { return joint_.values[(sample + 1) * joint_.components - 1]; }
-
-  // Cells with partial faces, at borders of levels and blocks: linear interpolation is not continuous there.
-  static std::vector<std::uint8_t> border_cells(const SampledVolume& volume) {
-    std::vector<std::uint8_t> border(volume.cells.size(), 0);
-    for_each_partial_neighbour(
-        FaceNeighbours(volume.cells, volume.corners),
-        [&](std::uint32_t cell, std::uint32_t, std::uint32_t other) { border[cell] = border[other] = 1; });
-    return border;
-  }
-
-  // The share at a corner on the surface of the volume, from the cells around it.
-  double outer_share(const LocalPolynomials& polynomials, std::size_t corner, std::span<const std::uint32_t> cells,
-                     Near& near) const {
-    near.own.clear(), near.next.clear();
-    for (const std::uint32_t cell : cells) near.own.push_back(volume_.cell_sample[cell]);
-    for (const std::uint32_t i : near.own)
-      for (const std::uint32_t j : volume_.stars[i])
-        if (std::find(near.own.begin(), near.own.end(), j) == near.own.end()) near.next.push_back(j);
-    double gain = 0, doubt = 0;
-    for (std::size_t m = 0; m < polynomials.components; ++m) {
-      const double flat = interpolant_->at_corner(corner, m);
-      const auto correction = [&](std::span<const std::uint32_t> samples) {
-        double sum = 0;
-        for (const std::uint32_t i : samples) {
-          const Vec3 u = polynomials.metric(volume_, i)(volume_.corners[corner] - volume_.positions[i]);
-          sum += polynomials.constants[i * polynomials.components + m] + polynomials.full_rise(i, m, u) - flat;
-        }
-        return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
-      };
-      const double a = correction(near.own), b = correction(near.next);
-      gain += a * a, doubt += kDisagreement * (a - b) * (a - b);
-    }
-    return doubt > 0 ? doubt / (gain + doubt) : 0;
-  }
-
-  const SampledVolume& volume_;
-  VolumeValues joint_;  // per sample: components, then the share
-  std::optional<CellInterpolant> interpolant_;
-  std::vector<std::uint8_t> any_;  // per cell
-};
-
 /// Bounds of the polynomials: the values of the star, and for samples in cells of linear interpolation at the corners,
 /// widened on both sides by a quarter of their difference, with full trust by one and a half times; not negative
-/// (positive) if no sample is.
+/// (positive) if no sample is, unless values are logarithms.
 class PolynomialBounds {
  public:
   PolynomialBounds() = default;
   PolynomialBounds(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials,
-                   const CellInterpolant* corners)
+                   const CellInterpolant* corners, bool logarithm)
       : components_(values.components) {
     const std::size_t n = volume.size(), c = components_;
     bounds_.resize(n * c);
@@ -155,6 +56,8 @@ class PolynomialBounds {
         const auto trust = static_cast<double>(polynomials.trust[i]);
         const double beyond = (kBeyondStar + kBeyondTrusted * trust * trust) * (most - least);
         least -= beyond, most += beyond;
+        bounds_[i * c + m] = {least, most};
+        if (logarithm) continue;
         if (all[m][0] >= 0) least = std::max(least, 0.0);
         if (all[m][1] <= 0) most = std::min(most, 0.0);
         bounds_[i * c + m] = {least, most};
@@ -177,13 +80,15 @@ class PolynomialBounds {
 class SupportBlend final : public GroupedField, public LevelField {
  public:
   SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-               LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values, CellFronts fronts)
+               LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values, bool logarithm,
+               CellFronts fronts)
       : GroupedField(std::move(volume), std::move(locator), polynomials.components),
         polynomials_(std::move(polynomials)),
         radii_(std::move(radii)) {
     index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
-    if (!this->volume().cell_sample.empty()) linear_.emplace(this->volume(), values, polynomials_);
-    bounds_ = PolynomialBounds(this->volume(), values, polynomials_, linear_ ? &linear_->interpolant() : nullptr);
+    if (!this->volume().lattice) linear_.emplace(this->volume(), values, polynomials_);
+    bounds_ = PolynomialBounds(this->volume(), values, polynomials_, linear_ ? linear_->interpolant() : nullptr,
+                               logarithm);
     if (!fronts.fronts.empty()) fronts_.emplace(this->volume(), polynomials_, radii_, std::move(fronts));
   }
 
@@ -250,7 +155,7 @@ class SupportBlend final : public GroupedField, public LevelField {
         term.constant = static_cast<float>(polynomials_.constants[i * c + m] - base);
         const auto of = polynomials_.of(i, m);
         term.coefficients = of.data();
-        if (const float trust = polynomials_.trust[i]; trust < 1 && of.size() > 3) {
+        if (const float trust = trust_of(i); trust < 1 && of.size() > 3) {
           float* scaled = lists.coefficients.data() + s * slots;
           for (std::size_t j = 0; j < of.size(); ++j) scaled[j] = j < 3 ? of[j] : trust * of[j];
           term.coefficients = scaled;
@@ -290,6 +195,12 @@ class SupportBlend final : public GroupedField, public LevelField {
     for (std::size_t i = 0; i < n; ++i) wanted.degrees[group.to[i]] = polynomials_.degrees[own];
   }
 
+  // Factor of the terms of degree 2 and more. Planes of samples at corners would be worse than linear interpolation,
+  // whose share replaces their trust.
+  float trust_of(std::size_t sample) const {
+    return volume().cell_sample.empty() ? 1.0f : polynomials_.trust[sample];
+  }
+
   LocalPolynomials polynomials_;
   SharedArray<float> radii_;
   SupportIndex index_;
@@ -322,9 +233,9 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const VolumeValues& values, CellFronts fronts) {
+                                                const VolumeValues& values, bool logarithm, CellFronts fronts) {
   return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
-                                        values, std::move(fronts));
+                                        values, logarithm, std::move(fronts));
 }
 
 }  // namespace sansmesh::inline v1

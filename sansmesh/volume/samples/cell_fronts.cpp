@@ -66,8 +66,9 @@ class FrontFinder {
     if (!(doubt > 0)) return none;
     const StarMetric metric = polynomials_.metric(volume_, i);
     stencil_.gather(i, metric, kEnoughFrontCells, kMostFrontCells, kFrontRings);
-    top_ = values_.values[i];
-    for (const std::uint32_t j : stencil_.samples()) top_ = std::max(top_, values_.values[j]);
+    top_ = bottom_ = values_.values[i];
+    for (const std::uint32_t j : stencil_.samples())
+      top_ = std::max(top_, values_.values[j]), bottom_ = std::min(bottom_, values_.values[j]);
     own_ = value_of(i);
     double farthest = 0;
     for (const std::uint32_t j : stencil_.samples()) farthest = std::max(farthest, std::abs(value_of(j) - own_));
@@ -247,7 +248,8 @@ class FrontFinder {
     for (std::size_t k = 0; k < front.g.size(); ++k) front.g[k] = static_cast<float>(g[k] / length);
     front.constant = static_cast<float>(-f.offset / length);
     const auto back = [&](double v) { return logarithm_ ? std::log(v) + top_ : v; };
-    front.low = back(low), front.high = back(high);
+    // Means do not leave the range of the values: shares of a phase stay within 0..1.
+    front.low = std::max(back(low), bottom_), front.high = std::min(back(high), top_);
     front.width = static_cast<float>(std::max(f.spread * kWidthOfSpread, kLeastFrontWidth * size));
     front.size = static_cast<float>(size);
     front.trust = static_cast<float>(trust);
@@ -259,7 +261,8 @@ class FrontFinder {
   const VolumeValues& values_;
   const LocalPolynomials& polynomials_;
   bool logarithm_;
-  double top_ = 0, own_ = 0, scale_ = 1;  // largest logarithm of the stencil; value of the sample; unit of differences
+  double bottom_ = 0, top_ = 0;  // range of the stencil, of logarithms too
+  double own_ = 0, scale_ = 1;   // value of the sample; unit of differences
   SampleStencil stencil_;
   FrontCells stencil_cells_;
 };

@@ -142,10 +142,15 @@ class LatticeFitter {
         append_split(x, y, z, sample, part))
       return;
     const auto terms = static_cast<std::size_t>(monomial_count(3, degree));
+    const int below = StencilFit::lower_degree(degree);
+    const auto fewer = static_cast<std::size_t>(monomial_count(3, below));
     double monomials[kTerms];
     for (std::size_t m = 0; m < c; ++m) {
       to_monomials(orthogonal_.data() + m * kTerms, degree, x, y, z, monomials);
       part.append_component(std::span(monomials).first(terms), values_.of(sample)[m], options_.share);
+      if (lattice_.uniform) continue;  // steps do not grow
+      to_monomials(orthogonal_.data() + m * kTerms, below, x, y, z, monomials);
+      part.append_lower(std::span(monomials).first(fewer));
     }
     part.degrees.push_back(static_cast<std::uint8_t>(degree));
     part.split.push_back(0);
@@ -258,7 +263,7 @@ class LatticeFitter {
       tests_.push_back(u);
     }
     robust_.fit(u_, f_, c, tests_);
-    part.append(robust_, values_.of(sample), options_.share);
+    part.append(robust_, values_.of(sample), options_.share, !lattice_.uniform);
     return true;
   }
 

@@ -46,7 +46,7 @@ class MeshFitter {
       tests_.push_back(local(mean / static_cast<double>(corners.size())));
     }
     fit_.fit(stencil_.local(), f_, c, tests_);
-    part.append(fit_, values_.of(i), options_.share);
+    part.append(fit_, values_.of(i), options_.share, true);
   }
 
  private:
@@ -71,6 +71,10 @@ constexpr double kCoarse = 0.25;
 /// are rounding errors: coefficients are floats, values come from sums. Such disagreement is no doubt.
 constexpr double kRoundedDifference = 1e-6, kRoundedValue = 1e-13;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
+
+// Corrections that change by this share (squared) with the degree, or with the terms they follow from, are unreliable:
+// series of polynomials converge badly where steps grow as fast as the lengths over which a function falls.
+constexpr double kUnsettled = 0.125;
 
 class EdgeSupport {
  public:
@@ -168,6 +172,30 @@ double value_at(std::span<const float> c, const Vec3& u, double factor = 1) {
   return sum;
 }
 
+/// A component between two samples.
+struct TrustEdge {
+  std::size_t i, j, component;
+};
+
+/// Squared changes of a correction `a` half-way along an edge, at `d` from its first end: by the terms of the highest
+/// degree, and if it follows from the slopes at both ends alone (not of planes, which are nothing but slopes). Zero for
+/// both if polynomials have converged there.
+double correction_changes(const LocalPolynomials& p, std::span<const float> lower, const SampledVolume& volume, const TrustEdge& edge,
+               const Vec3& d, double a) {
+  const auto at_end = [&](std::size_t sample, const Vec3& to, double& by_degree, double& slope) {
+    const Vec3 u = p.metric(volume, sample)(to);
+    const auto terms = p.of(sample, edge.component);
+    by_degree += value_at(terms, u) - value_at(p.in(lower, sample, edge.component), u);
+    slope += value_at(terms.first(std::min<std::size_t>(terms.size(), 3)), u);
+  };
+  double by_degree = 0, slopes = 0;
+  at_end(edge.i, d, by_degree, slopes);
+  at_end(edge.j, -d, by_degree, slopes);
+  const bool planes = p.degrees[edge.i] < 2 || p.degrees[edge.j] < 2;
+  const double by_slopes = planes ? 0 : a - 0.25 * slopes;
+  return 0.25 * by_degree * by_degree + by_slopes * by_slopes;
+}
+
 }  // namespace
 
 double LocalPolynomials::rise(std::size_t sample, std::size_t component, const Vec3& u) const {
@@ -183,7 +211,7 @@ StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sam
 }
 
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                                    std::span<const std::uint8_t> split, bool in_cells) {
+                                    std::span<const float> lower, std::span<const std::uint8_t> split, bool in_cells) {
   const std::size_t n = volume.size(), c = values.components;
   std::vector<float> trust(n, 1.0f);
   const auto at = [&](std::size_t i, std::size_t m, const Vec3& x) {
@@ -195,7 +223,7 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
     EdgeSupport support(volume);
     for (std::size_t i = begin; i < end; ++i) {
       volume.star(i, star);
-      double gain = 0, doubt = 0, open = 0, varied = 0, rounding = 0;
+      double gain = 0, doubt = 0, open = 0, unsettled = 0, varied = 0, rounding = 0;
       const Vec3 x = volume.position(i);
       const StarMetric metric = p.metric(volume, i);
       support.set(x, metric, star);
@@ -211,6 +239,7 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
           gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
+          if (!lower.empty()) unsettled += correction_changes(p, lower, volume, {i, j, m}, d, a);
           varied += (fi - fj) * (fi - fj);
           const double rounded =
               std::max(kRoundedDifference * std::abs(fi - fj), kRoundedValue * std::max(std::abs(fi), std::abs(fj)));
@@ -224,6 +253,9 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
       if (gain > 0) {
         const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
         doubt += coarse * coarse * coarse * open * (1 + inside.gain / gain);
+        unsettled = std::max(unsettled - rounding * static_cast<double>(star.size()), 0.0);
+        const double unsure = unsettled / (kUnsettled * gain);
+        doubt += unsure * unsure * unsettled;
       }
       gain += inside.gain, doubt += kDisagreement * inside.doubt;
       doubt -= rounding * static_cast<double>(star.size());

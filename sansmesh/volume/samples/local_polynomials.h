@@ -39,8 +39,12 @@ struct LocalPolynomials {
   /// M of a sample, also for lattices, which have no `metrics`.
   StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {
+    return in(coefficients.view(), sample, component);
+  }
+  /// The same part of other coefficients.
+  std::span<const float> in(std::span<const float> all, std::size_t sample, std::size_t component) const {
     const auto terms = static_cast<std::size_t>(monomial_count(3, degrees[sample]) - 1);
-    return coefficients.view().subspan(first[sample] + component * terms, terms);
+    return all.subspan(first[sample] + component * terms, terms);
   }
 };
 
@@ -59,8 +63,9 @@ struct LocalPolynomialOptions {
 /// trust: polynomials of neighbours are compared half-way between the samples and at cell centres (CellAgreement). With
 /// a = correction of linear interpolation by their mean and b = half their difference, trust is Σ a² / Σ (a² + 5/2 b² +
 /// g a²), the best share of a correction of size a with an error of size b; 1 if both are rounding. g > 0 where the
-/// samples do not resolve the second differences along an edge. So under-resolved data fall back on linear
-/// interpolation.
+/// samples do not resolve the second differences along an edge. Σ c² (8 Σ c² / Σ a²)² is added to the denominator, c
+/// the changes of a by the terms of the highest degree and against the correction from slopes alone. So under-resolved
+/// data fall back on linear interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 /// The same with given metrics.
@@ -72,6 +77,7 @@ LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const Volume
 struct PolynomialPart {
   std::vector<double> constants;
   std::vector<float> coefficients;
+  std::vector<float> lower;  ///< coefficients without the highest degree, if that is 3 or more, padded by zeros; or none
   std::vector<std::uint8_t> degrees, split;
 
   /// Appends a component of a sample: the value, corrected by the share of the residual that is not added, and the
@@ -80,17 +86,26 @@ struct PolynomialPart {
     constants.push_back(value + (1 - share) * monomials[0]);
     for (const double m : monomials.subspan(1)) coefficients.push_back(static_cast<float>(m));
   }
-  /// Appends the polynomials of a sample with the given values.
-  void append(const StencilFit& fit, std::span<const double> values, double share) {
-    for (std::size_t m = 0; m < values.size(); ++m) append_component(fit.monomials(m), values[m], share);
+  /// Appends the monomials of the lower degree of the component appended last.
+  void append_lower(std::span<const double> monomials) {
+    for (const double m : monomials.subspan(1)) lower.push_back(static_cast<float>(m));
+    lower.resize(coefficients.size(), 0.0f);
+  }
+  /// Appends the polynomials of a sample with the given values, and on request those of lower degree.
+  void append(const StencilFit& fit, std::span<const double> values, double share, bool with_lower) {
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      append_component(fit.monomials(m), values[m], share);
+      if (with_lower) append_lower(fit.lower_monomials(m));
+    }
     degrees.push_back(static_cast<std::uint8_t>(fit.degree()));
     split.push_back(fit.split());
   }
 };
 
-/// See fit_local_polynomials. `split` marks one-sided polynomials at steps.
+/// See fit_local_polynomials. `lower`: coefficients of lower degree (PolynomialPart), or none. `split` marks one-sided
+/// polynomials at steps.
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                                    std::span<const std::uint8_t> split, bool in_cells);
+                                    std::span<const float> lower, std::span<const std::uint8_t> split, bool in_cells);
 
 /// Fits the polynomials of all samples: `make` creates a fitter per thread, append(fitter, sample, part) adds one.
 template <class Part, class Make, class Append>
@@ -113,10 +128,11 @@ LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeVal
   first.push_back(0);
   std::size_t total = 0;
   for (const Part& part : parts) total += part.coefficients.size();
-  all.coefficients.reserve(total), all.constants.reserve(n * values.components), all.degrees.reserve(n);
+  all.coefficients.reserve(total), all.lower.reserve(total), all.constants.reserve(n * values.components), all.degrees.reserve(n);
   for (Part& part : parts) {
     all.constants.insert(all.constants.end(), part.constants.begin(), part.constants.end());
     all.coefficients.insert(all.coefficients.end(), part.coefficients.begin(), part.coefficients.end());
+    all.lower.insert(all.lower.end(), part.lower.begin(), part.lower.end());
     all.split.insert(all.split.end(), part.split.begin(), part.split.end());
     for (const std::uint8_t d : part.degrees) {
       all.degrees.push_back(d);
@@ -131,7 +147,7 @@ LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeVal
   result.coefficients = std::move(all.coefficients);
   result.degrees = std::move(all.degrees);
   result.first = std::move(first);
-  result.trust = polynomial_trust(volume, values, result, all.split, ask_in_cells);
+  result.trust = polynomial_trust(volume, values, result, all.lower, all.split, ask_in_cells);
   return result;
 }
 

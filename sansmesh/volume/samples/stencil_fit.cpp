@@ -78,6 +78,11 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
   for (std::size_t m = 0; m < components; ++m)
     fit_.monomial_coefficients(std::span(coefficients_).subspan(m * kTerms, terms),
                                std::span(monomials_).subspan(m * terms, terms));
+  const auto fewer = static_cast<std::size_t>(monomial_count(3, lower_degree(degree_)));
+  lower_.resize(fewer * components);
+  for (std::size_t m = 0; m < components; ++m)
+    fit_.monomial_coefficients(std::span(coefficients_).subspan(m * kTerms, fewer),
+                               std::span(lower_).subspan(m * fewer, fewer));
 }
 
 bool StencilFit::spans_space() {

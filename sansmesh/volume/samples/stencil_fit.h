@@ -49,6 +49,12 @@ class StencilFit {
     const auto terms = static_cast<std::size_t>(monomial_count(3, degree_));
     return std::span(monomials_).subspan(component * terms, terms);
   }
+  /// The same without the highest degree, if that is 3 or more.
+  std::span<const double> lower_monomials(std::size_t component) const {
+    const auto terms = static_cast<std::size_t>(monomial_count(3, lower_degree(degree_)));
+    return std::span(lower_).subspan(component * terms, terms);
+  }
+  static int lower_degree(int degree) { return degree > 2 ? degree - 1 : degree; }
   /// Whether a step was found, and whether a sample of the stencil is on the same side of it.
   bool split() const { return split_; }
   bool own_side(std::size_t sample) const { return own_[sample] != 0; }
@@ -70,7 +76,7 @@ class StencilFit {
   std::size_t count_ = 0;
   std::array<std::vector<double>, 3> u_;
   std::vector<double> f_, weights_, base_, root_, scale_, residuals_, leverage_, amplification_, psi_, coefficients_,
-      monomials_, sorted_;
+      monomials_, lower_, sorted_;
 };
 
 }  // namespace sansmesh::inline v1
