@@ -1,5 +1,6 @@
-// Benchmark of the trust of `mls-detail`: errors between the samples beside the grid's own interpolation, where fits mislead:
-// far fields of airfoils, whose steps grow, overlapping blocks, and measured data of which every second sample is left out.
+// Benchmark of the trust of `mls-detail`: errors between the samples beside the grid's own interpolation, where fits
+// mislead: far fields of airfoils, whose steps grow, overlapping blocks, and measured data of which every second sample
+// is left out.
 //
 //   benchmark_volume_trust [--methods=A,B] [--count=N] [airfoil] [overlapping] [FILE...]
 //
@@ -66,7 +67,10 @@ void print_case(const Case& c, const Options& options) {
     }
     if (method == "linear") linear_mean = mean, linear_most = most;
     fmt::print("| {} | {} | {:.3e} | {:.3e} | {:.3f} | {:.3f} |{}\n", c.name, method, mean, most, mean / linear_mean,
-               most / linear_most, most > linear_most * (1 + 1e-9) ? fmt::format(" at {:.4g} {:.4g} {:.4g}", c.x[where].x, c.x[where].y, c.x[where].z) : "");
+               most / linear_most,
+               most > linear_most * (1 + 1e-9)
+                   ? fmt::format(" at {:.4g} {:.4g} {:.4g}", c.x[where].x, c.x[where].y, c.x[where].z)
+                   : "");
     std::fflush(stdout);
   }
 }
@@ -109,7 +113,8 @@ void ask_overlapping(const Options& options) {
       const GridData data = test::three_overlapping_blocks(n, [](const Vec3&) { return 0.0; });
       const Box3 box = assemble_volume(data, of, progress).bounds();
       for (int k = 0; k < 3; ++k)
-        ask(fmt::format("overlapping, {}, {}, f{}", n, of == Association::cells ? "cells" : "points", k + 1), data, of,
+        ask(
+            fmt::format("overlapping, {}, {}, f{}", n, of == Association::cells ? "cells" : "points", k + 1), data, of,
             [&](const Vec3& x) {
               const Vec3 d = x - box.lower, size = box.size();
               return functions[k]({d.x / size.x, d.y / size.y, d.z / size.z});
@@ -135,7 +140,8 @@ void ask_held_out(const std::string& file, const Options& options) {
     for (std::size_t i = 0; i < test::block_point_count(whole); ++i) {
       const std::size_t at[] = {i % n[0], i / n[0] % n[1], i / (n[0] * n[1])};
       bool inside = true, own = true;
-      for (std::size_t k = 0; k < 3; ++k) inside = inside && at[k] <= 2 * (half.dims[k] - 1), own = own && at[k] % 2 == 0;
+      for (std::size_t k = 0; k < 3; ++k)
+        inside = inside && at[k] <= 2 * (half.dims[k] - 1), own = own && at[k] % 2 == 0;
       if (own) half.points.push_back(test::block_point(whole, i)), kept.push_back(a.number(i));
       if (inside && !own) c.x.push_back(test::block_point(whole, i)), c.truth.push_back(a.number(i));
     }
@@ -172,7 +178,9 @@ int main(int argc, char** argv) {
     }
     std::erase(options.methods, "linear");
     options.methods.insert(options.methods.begin(), "linear");
-    fmt::print("| samples and function | method | mean | largest | mean of `linear` | largest of `linear` |\n|---|---|--:|--:|--:|--:|\n");
+    fmt::print(
+        "| samples and function | method | mean | largest | mean of `linear` | largest of `linear` "
+        "|\n|---|---|--:|--:|--:|--:|\n");
     for (const std::string& subject : options.subjects)
       if (subject == "airfoil")
         ask_airfoil(options);

@@ -10,10 +10,10 @@
 #include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 
 namespace sansmesh::inline v1 {

@@ -48,8 +48,7 @@ std::vector<Vec3> asked_in(CellShape shape) {
 class AskedCells {
  public:
   explicit AskedCells(const SampledVolume& volume) : volume_(volume) {
-    for (const CellShape s :
-         {CellShape::tetrahedron, CellShape::hexahedron, CellShape::wedge, CellShape::pyramid})
+    for (const CellShape s : {CellShape::tetrahedron, CellShape::hexahedron, CellShape::wedge, CellShape::pyramid})
       asked_[static_cast<std::size_t>(s)] = asked_in(s);
     if (!volume.lattice) return;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -105,8 +104,7 @@ class AskedCells {
     if (volume_.in_cells) return visit(cell);
     const auto at = indices(cell);
     const std::size_t nx = planes_[0].size(), ny = planes_[1].size();
-    for (std::size_t c = 0; c < 8; ++c)
-      visit(at[0] + (c & 1) + nx * (at[1] + (c >> 1 & 1) + ny * (at[2] + (c >> 2))));
+    for (std::size_t c = 0; c < 8; ++c) visit(at[0] + (c & 1) + nx * (at[1] + (c >> 1 & 1) + ny * (at[2] + (c >> 2))));
   }
 
  private:
@@ -263,14 +261,16 @@ std::vector<std::string> summary_of(const ResolutionReport& r) {
                        : fmt::format("{:.3g}", error);
   };
   std::vector<std::string> lines{
-      titled("resolution", fmt::format("{}: estimated error of linear interpolation {} on average, median {:.3g}",
-                                       printable(r.array, 60), share(r.mean), r.median),
+      titled("resolution",
+             fmt::format("{}: estimated error of linear interpolation {} on average, median {:.3g}",
+                         printable(r.array, 60), share(r.mean), r.median),
              12),
       titled("", fmt::format("99 % below {}, largest {:.3g} at {}", share(r.high), r.most, point_words(r.most_at, 6)),
              12)};
-  lines.push_back(titled("", r.finer > 1 ? fmt::format("samples {:.2g} times as dense along each axis would reach 1 %",
-                                                       r.finer)
-                                         : std::string("fine enough for 1 % of the range"),
+  lines.push_back(titled("",
+                         r.finer > 1
+                             ? fmt::format("samples {:.2g} times as dense along each axis would reach 1 %", r.finer)
+                             : std::string("fine enough for 1 % of the range"),
                          12));
   return lines;
 }

@@ -210,9 +210,8 @@ std::shared_ptr<const Isosurface> VolumeModel::isosurface(double value, Progress
   const auto values = field(progress, notes);
   progress.begin("find surface");
   const auto of_sample = reconstructed_samples(*this, *values);
-  return with_name(name(), [&] {
-    return std::make_shared<const Isosurface>(state_->samples, values, of_sample, value);
-  });
+  return with_name(name(),
+                   [&] { return std::make_shared<const Isosurface>(state_->samples, values, of_sample, value); });
 }
 
 double VolumeModel::sample_value(std::size_t i) const {

@@ -12,9 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
+#include "sansmesh/field/level_field.h"
+#include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_grids.h"
@@ -147,6 +151,67 @@ TEST(Isosurface, DoesNotDependOnThreads) {
     IsosurfaceReport report;
     return mesh_of(*surface, {}, report).vertices;
   });
+}
+
+/// A front at x = ½ a hundredth wide, which is linear as a function for level sets.
+class SteepFront final : public VolumeField, public LevelField {
+ public:
+  Box3 bounds() const override { return {{0, 0, 0}, {1, 1, 1}}; }
+  std::size_t components() const override { return 1; }
+  void spacing(std::span<const Vec3>, std::span<double> found) const override {
+    std::fill(found.begin(), found.end(), 0.1);
+  }
+  void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
+    each(x, wanted, [](double d) { return std::tanh(d); });
+  }
+  void evaluate_level(double level, std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
+    each(x, wanted, [&](double d) { return d + level - std::atanh(level); });
+  }
+
+ private:
+  template <class F>
+  static void each(std::span<const Vec3> x, const VolumeFieldValues& wanted, const F& f) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double d = 100 * (x[i].x - 0.5), h = 1e-4;
+      if (!wanted.values.empty()) wanted.values[i] = f(d);
+      if (!wanted.gradients.empty()) wanted.gradients[i] = {100 * (f(d + h) - f(d - h)) / (2 * h), 0, 0};
+      if (!wanted.inside.empty()) wanted.inside[i] = 1;
+    }
+  }
+};
+
+TEST(LevelFields, KeepTheirFunctionWhenScaled) {
+  const auto front = std::make_shared<const SteepFront>();
+  const double factor = 0x1p60;
+  const std::unique_ptr<VolumeField> scaled = ScaledVolume::of(front, {factor});
+  const auto* const levels = dynamic_cast<const LevelField*>(scaled.get());
+  ASSERT_NE(levels, nullptr);
+  const std::vector<Vec3> x{{0.2, 0, 0}, {0.5, 0, 0}, {0.9, 0, 0}};
+  std::vector<double> values(3), expected(3);
+  std::vector<Vec3> slopes(3), expected_slopes(3);
+  levels->evaluate_level(0.5 * factor, x, {values, slopes});
+  front->evaluate_level(0.5, x, {expected, expected_slopes});
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_NEAR(values[i] / factor, expected[i], 1e-12);
+    EXPECT_NEAR(slopes[i].x / factor, expected_slopes[i].x, 1e-9);
+  }
+}
+
+TEST(LevelFields, GuideSurfacesThatMove) {
+  Progress progress;
+  const auto volume = std::make_shared<const SampledVolume>(
+      assemble_volume(test::lattice_grid({11, 11, 11}, [](const Vec3& x) { return std::tanh(100 * (x.x - 0.5)); }),
+                      Association::points, progress));
+  const auto front = std::make_shared<const SteepFront>();
+  const auto of_sample = [&](std::size_t i) { return std::tanh(100 * (volume->position(i).x - 0.5)); };
+  const IsosurfaceInTime moving({{0, volume, front, of_sample}, {1, volume, front, of_sample}}, 0.25);
+  std::vector<Vec3> x;
+  for (const double at : {0.3, 0.4}) x.push_back(moving.frame().from_input(Vec3{at, 0.5, 0.5}));
+  const std::vector<double> t{0.3, 0.3};
+  std::vector<double> values(2);
+  moving.evaluate(x, t, values);
+  // Without the function for levels both values are equal: the front is flat on both sides.
+  EXPECT_NEAR(values[0] - values[1], norm(x[0] - x[1]), 1e-3 * norm(x[0] - x[1]));
 }
 
 TEST(ValueRanges, BoundTheValuesOfNearbyCells) {

@@ -21,7 +21,8 @@ inline std::complex<double> airfoil_map(std::complex<double> zeta) {
 /// An O-grid: around, outwards with steps that grow by `growth` from a fiftieth of the radius to twenty, four planes.
 inline GridBlock airfoil_block(double growth, std::size_t around = 64) {
   constexpr double kFirst = 0.02, kFarthest = 20;
-  const auto outwards = static_cast<std::size_t>(std::ceil(std::log(1 + kFarthest * (growth - 1) / kFirst) / std::log(growth)));
+  const auto outwards =
+      static_cast<std::size_t>(std::ceil(std::log(1 + kFarthest * (growth - 1) / kFirst) / std::log(growth)));
   GridBlock cylinder = lattice_block({around + 1, outwards + 1, 4}, {0, 0, 0}, {2 * std::numbers::pi, 1, 1.5});
   cylinder.axes[1] = axis_steps(outwards + 1, 1.01, 1.01 + kFarthest, growth);
   return curvilinear_block(cylinder, [](const Vec3& x) {

@@ -11,6 +11,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/field/exponential_volume.h"
+#include "sansmesh/volume/samples/cell_fronts.h"
 #include "sansmesh/volume/samples/cell_quadrature.h"
 #include "sansmesh/volume/samples/front_fit.h"
 #include "sansmesh/volume/samples/local_polynomials.h"
@@ -168,6 +169,41 @@ TEST(CellMeans, OfDecadesStayPositive) {
   std::vector<double> values(fitted.volume->corners.size());
   fitted.field->evaluate(fitted.volume->corners, {values});
   for (const double v : values) ASSERT_GT(v, 0);
+}
+
+/// Logarithms of both signs have no sign to keep, also if the largest value is a power of two: its logarithm is 0.
+TEST(CellMeans, LogarithmsHaveNoSign) {
+  const auto answers = [](double largest) {
+    GridData data = bent_grid({9, 8, 9}, [](const Vec3&) { return 0.0; });
+    set_means(data, decades_of_means, [](const Vec3&, double) { return 2; });
+    std::vector<double> values = *data.blocks[0].cell_arrays.find<double>("f");
+    const double most = *std::max_element(values.begin(), values.end());
+    for (double& v : values) v *= largest / most;
+    data.blocks[0].cell_arrays.set("f", std::move(values));
+    const Fitted fitted = fitted_means(data);
+    EXPECT_EQ(fitted.report.options.logarithm, true);
+    std::vector<double> found(fitted.volume->corners.size());
+    fitted.field->evaluate(fitted.volume->corners, {found});
+    return found;
+  };
+  const std::vector<double> power = answers(1), beside = answers(1 + 1e-9);
+  EXPECT_GT(*std::max_element(power.begin(), power.end()), 1.001);
+  for (std::size_t i = 0; i < power.size(); ++i) ASSERT_NEAR(power[i] / beside[i], 1, 1e-5);
+}
+
+TEST(CellFronts, OfSharesStayWithinTheirRange) {
+  GridData data = two_level_amr(12, [](const Vec3&) { return 0.0; });
+  set_front_means(data, SphereFront{});
+  const auto volume = volume_of(data, Association::cells);
+  Progress progress;
+  ReconstructionCoefficients fitted;
+  reconstruct_volume(volume, "f", {.method = "mls-detail", .logarithm = false}, progress, nullptr, &fitted);
+  const CellFronts found = find_cell_fronts(*volume, volume_values(*volume, "f"), fitted.polynomials, false);
+  ASSERT_GT(found.fronts.size(), 100u);
+  for (const CellFront& f : found.fronts) {
+    ASSERT_GE(f.low, 0);
+    ASSERT_LE(f.high, 1);
+  }
 }
 
 TEST(CellMeans, OfAStepStayWithinTwiceItsRange) {

@@ -123,11 +123,15 @@ Command add_info(CommandLine& app) {
   add_raw_options(c, volume->read);
   auto resolution = std::make_shared<ResolutionArguments>();
   add_schema<VolumeModelOptions>(c, *volume, {.only = {"array"}});
-  c.add_flag("--resolution", resolution->wanted,
-             "Estimate the error of interpolation in the cells of a volume, and how much finer reaches 1 % of the range");
-  c.add_option("-o,--output", resolution->outputs,
-               "Write the estimated errors: .vtu (any grid), .vti, .mhd, .mha or .nrrd (uniform grids), .png (picture)")
-      .writes({".vtu", ".vti", ".mhd", ".mha", ".nrrd", ".png"});
+  c.add_flag(
+      "--resolution", resolution->wanted,
+      "Estimate the error of interpolation in the cells of a volume, and how much finer reaches 1 % of the range");
+  c.add_option(
+       "-o,--output", resolution->outputs,
+       "Write the estimated errors: .vtu (any grid), .vti, .mhd, .mha or .nrrd (uniform grids), .png (picture); "
+       "may be repeated")
+      .writes({".vtu", ".vti", ".mhd", ".mha", ".nrrd", ".png"})
+      .repeated();
   c.footer(std::string(kReadable) + "\n" + kReadableVolumes +
            "\n\nExamples:\n"
            "  sansmesh info scan.ply\n"
@@ -144,8 +148,7 @@ Command add_info(CommandLine& app) {
   return {&c, [input, volume, resolution, as_one, &c](Console& console) {
             resolution->check();
             const bool marked = take_volume_word(input->files);
-            if (*as_one || input->files.size() == 1)
-              return run_any_info(*input, *volume, *resolution, marked, console);
+            if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, *resolution, marked, console);
             if (!resolution->outputs.empty()) throw ArgumentError("`-o` is for one volume");
             console.list_results();
             bool printed = false;

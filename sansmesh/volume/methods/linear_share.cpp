@@ -104,8 +104,8 @@ void LinearShare::share_in_cells(const LocalPolynomials& polynomials) {
 }
 
 // The share at a corner on the surface of the volume, from the cells around it.
-double LinearShare::outer_share(const LocalPolynomials& polynomials, std::size_t corner, std::span<const std::uint32_t> cells,
-                   Near& near) const {
+double LinearShare::outer_share(const LocalPolynomials& polynomials, std::size_t corner,
+                                std::span<const std::uint32_t> cells, Near& near) const {
   near.own.clear(), near.next.clear();
   for (const std::uint32_t cell : cells) near.own.push_back(volume_.cell_sample[cell]);
   for (const std::uint32_t i : near.own)

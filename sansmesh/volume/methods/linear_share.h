@@ -15,9 +15,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Linear interpolation of a volume that is no lattice, and its share s, which is interpolated as it is: (1 − trust)² at
-/// samples in cells, 1 − trust at corners (docs/methods/volume-reconstruction.md, Blending). s = 0 in cells where linear interpolation is not
-/// continuous: with partial neighbours, and where cells of several blocks overlap.
+/// Linear interpolation of a volume that is no lattice, and its share s, which is interpolated as it is: (1 − trust)²
+/// at samples in cells, 1 − trust at corners (docs/methods/volume-reconstruction.md, Blending). s = 0 in cells where
+/// linear interpolation is not continuous: with partial neighbours, and where cells of several blocks overlap.
 class LinearShare {
  public:
   /// `volume` must outlive the object. Runs in parallel.

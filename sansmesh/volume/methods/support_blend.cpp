@@ -87,8 +87,8 @@ class SupportBlend final : public GroupedField, public LevelField {
         radii_(std::move(radii)) {
     index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
     if (!this->volume().lattice) linear_.emplace(this->volume(), values, polynomials_);
-    bounds_ = PolynomialBounds(this->volume(), values, polynomials_, linear_ ? linear_->interpolant() : nullptr,
-                               logarithm);
+    bounds_ =
+        PolynomialBounds(this->volume(), values, polynomials_, linear_ ? linear_->interpolant() : nullptr, logarithm);
     if (!fronts.fronts.empty()) fronts_.emplace(this->volume(), polynomials_, radii_, std::move(fronts));
   }
 
@@ -197,9 +197,7 @@ class SupportBlend final : public GroupedField, public LevelField {
 
   // Factor of the terms of degree 2 and more. Planes of samples at corners would be worse than linear interpolation,
   // whose share replaces their trust.
-  float trust_of(std::size_t sample) const {
-    return volume().cell_sample.empty() ? 1.0f : polynomials_.trust[sample];
-  }
+  float trust_of(std::size_t sample) const { return volume().cell_sample.empty() ? 1.0f : polynomials_.trust[sample]; }
 
   LocalPolynomials polynomials_;
   SharedArray<float> radii_;

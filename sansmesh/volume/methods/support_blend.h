@@ -19,10 +19,10 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 
 /// F(x) = Σ_i w_i(x) p_i(x) / Σ_i w_i(x) over the samples whose ellipsoids contain x, r = ‖M_i (x − x_i)‖ / radius_i <
 /// 1, w = (1 − r²)⁴. For cell data, terms of degree 2 and more are multiplied by the polynomials' `trust`. Linear
-/// interpolation replaces untrusted polynomials (LinearShare; docs/methods/volume-reconstruction.md). No polynomial leaves the range
-/// of its star and of linear interpolation at the corners of its cell by more than a quarter of that range, with full
-/// trust one and a half times it, or changes its sign if all samples have the same (but for `logarithm`: values are
-/// logarithms). Near `fronts` these replace the blend (FrontShare).
+/// interpolation replaces untrusted polynomials (LinearShare; docs/methods/volume-reconstruction.md). No polynomial
+/// leaves the range of its star and of linear interpolation at the corners of its cell by more than a quarter of that
+/// range, with full trust one and a half times it, or changes its sign if all samples have the same (but for
+/// `logarithm`: values are logarithms). Near `fronts` these replace the blend (FrontShare).
 ///
 /// Continuous wherever the mesh is connected, also across block borders and levels. A support does not cross gaps: in a
 /// cell only samples within kRings mesh edges of the cell's own samples count. Outside the volume: the value at its

@@ -180,8 +180,8 @@ struct TrustEdge {
 /// Squared changes of a correction `a` half-way along an edge, at `d` from its first end: by the terms of the highest
 /// degree, and if it follows from the slopes at both ends alone (not of planes, which are nothing but slopes). Zero for
 /// both if polynomials have converged there.
-double correction_changes(const LocalPolynomials& p, std::span<const float> lower, const SampledVolume& volume, const TrustEdge& edge,
-               const Vec3& d, double a) {
+double correction_changes(const LocalPolynomials& p, std::span<const float> lower, const SampledVolume& volume,
+                          const TrustEdge& edge, const Vec3& d, double a) {
   const auto at_end = [&](std::size_t sample, const Vec3& to, double& by_degree, double& slope) {
     const Vec3 u = p.metric(volume, sample)(to);
     const auto terms = p.of(sample, edge.component);

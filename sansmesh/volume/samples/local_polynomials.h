@@ -77,7 +77,8 @@ LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const Volume
 struct PolynomialPart {
   std::vector<double> constants;
   std::vector<float> coefficients;
-  std::vector<float> lower;  ///< coefficients without the highest degree, if that is 3 or more, padded by zeros; or none
+  std::vector<float>
+      lower;  ///< coefficients without the highest degree, if that is 3 or more, padded by zeros; or none
   std::vector<std::uint8_t> degrees, split;
 
   /// Appends a component of a sample: the value, corrected by the share of the residual that is not added, and the
@@ -128,7 +129,8 @@ LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeVal
   first.push_back(0);
   std::size_t total = 0;
   for (const Part& part : parts) total += part.coefficients.size();
-  all.coefficients.reserve(total), all.lower.reserve(total), all.constants.reserve(n * values.components), all.degrees.reserve(n);
+  all.coefficients.reserve(total), all.lower.reserve(total), all.constants.reserve(n * values.components),
+      all.degrees.reserve(n);
   for (Part& part : parts) {
     all.constants.insert(all.constants.end(), part.constants.begin(), part.constants.end());
     all.coefficients.insert(all.coefficients.end(), part.coefficients.begin(), part.coefficients.end());
