@@ -28,9 +28,6 @@ constexpr double kLeastRidge = 1e-13;
 /// Least squared pivot: below, nodes of overlapping blocks nearly coincide in the metric, and a larger ridge makes the
 /// functions nearly interpolate, up to the largest one.
 constexpr double kLeastPivot = 1e-11, kMostRidge = 1e-9;
-/// Ridge where blocks meet: nodes of several blocks nearly coincide, with values that differ by the blocks' errors,
-/// which exact interpolation would amplify. Samples are met to about a thousandth of the local differences.
-constexpr double kRidgeOfBlocks = 1e-3;
 /// Values stay within the range of the nodes, widened by this share of it on both sides.
 constexpr double kBeyondNodes = 1.5;
 constexpr double kGapWeight = 1e-8;
@@ -38,8 +35,7 @@ constexpr Eigen::Index kTail = 4;  ///< coefficients of the linear function
 
 /// Matrix from values at nodes, at their positions in the coordinates of a support, to coefficients: kTail + nodes rows
 /// for the functions at the nodes, then 1, u.x, u.y, u.z. Linear functions that the nodes do not determine are dropped.
-Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<Vec3>& u, const Eigen::MatrixXd& right,
-                                 double least_ridge = kLeastRidge) {
+Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<Vec3>& u, const Eigen::MatrixXd& right) {
   const auto n = static_cast<Eigen::Index>(u.size());
   Eigen::MatrixXd matrix(n, n), tail(n, kTail);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -49,7 +45,7 @@ Eigen::MatrixXd rbf_coefficients(const RadialKernel& kernel, const std::vector<V
       matrix(i, j) = matrix(j, i) = kernel(squared_norm(a - u[static_cast<std::size_t>(j)]));
   }
   Eigen::LLT<Eigen::MatrixXd> cholesky;
-  for (double ridge = least_ridge; ridge < 1; ridge *= 100) {
+  for (double ridge = kLeastRidge; ridge < 1; ridge *= 100) {
     matrix.diagonal().setConstant(1 + ridge);
     cholesky.compute(matrix);
     if (cholesky.info() != Eigen::Success) continue;
@@ -240,8 +236,8 @@ class RbfSystems {
         for (std::size_t r = 0; r < nodes.size(); ++r)
           for (std::size_t k = 0; k < m; ++k)
             right(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k)) = values_.values[nodes[r] * m + k];
-        const Eigen::MatrixXd found = rbf_coefficients(kernel_, local_nodes(static_cast<std::uint32_t>(i), nodes),
-                                                       right, volume_.facts.blocks > 1 ? kRidgeOfBlocks : kLeastRidge);
+        const Eigen::MatrixXd found =
+            rbf_coefficients(kernel_, local_nodes(static_cast<std::uint32_t>(i), nodes), right);
         double* out = coefficients_.data() + (nodes_.first[i] + static_cast<std::size_t>(kTail) * i) * m;
         for (Eigen::Index r = 0; r < found.rows(); ++r)
           for (Eigen::Index k = 0; k < found.cols(); ++k) *out++ = found(r, k);
