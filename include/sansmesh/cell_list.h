@@ -55,6 +55,54 @@ struct CellList {
   }
 };
 
+/// Shape functions of cells of higher order. Natural coordinates r, s, t: the unit simplex, prism and cube, and for
+/// pyramids the base |r|, |s| <= 1/2, t = 0 with its tip at t = 1.
+enum class HigherOrderFamily : std::uint8_t {
+  tetrahedron,    ///< polynomials of degree n = orders[0]; nodes at (i, j, k) / n, i fastest
+  wedge,          ///< polynomials of degree orders[0] in r and s, of degree orders[2] in t; nodes layer by layer
+  hexahedron,     ///< products of polynomials of degrees orders[0], orders[1], orders[2]; nodes with i fastest
+  hexahedron_20,  ///< quadratic serendipity functions; VTK's order of nodes, also below
+  hexahedron_24,  ///< the same in r and s, times quadratic polynomials in t
+  wedge_15,       ///< quadratic serendipity functions
+  pyramid_13      ///< quadratic, with rational terms
+};
+
+/// Kind of a cell of higher order.
+struct HigherOrderKind {
+  HigherOrderFamily family = HigherOrderFamily::tetrahedron;  ///< its shape functions
+  std::array<std::uint8_t, 3> orders{2, 2, 2};                ///< degrees, 1 to kMostOrder; 2 from hexahedron_20 on
+  static constexpr std::uint8_t kMostOrder = 10;              ///< largest degree
+
+  /// Whether the kinds are equal.
+  bool operator==(const HigherOrderKind&) const = default;
+};
+/// Number of nodes of a cell of higher order; 0 if its orders are not allowed.
+SANSMESH_API std::size_t node_count(const HigherOrderKind& kind);
+
+/// Cells of higher order behind the cells of a list, which are pieces of them between their nodes.
+struct HigherOrderCells {
+  static constexpr std::uint32_t kNone = 0xffffffffu;  ///< no cell of higher order
+  std::vector<std::uint32_t> of_piece;  ///< for each cell of the list its cell of higher order, or kNone; empty: none
+  std::vector<HigherOrderKind> kinds;   ///< kind of each cell of higher order
+  std::vector<std::uint32_t> nodes;     ///< point indices, cell by cell
+  std::vector<std::uint64_t> first{0};  ///< start of each cell in `nodes`; one more entry than cells
+
+  /// Number of cells of higher order.
+  std::size_t size() const { return kinds.size(); }
+  /// Whether there are none.
+  bool empty() const { return kinds.empty(); }
+  /// Nodes of a cell. Valid until the list changes.
+  std::span<const std::uint32_t> operator[](std::size_t cell) const {
+    return std::span(nodes).subspan(first[cell], first[cell + 1] - first[cell]);
+  }
+  /// Appends a cell; `points` are its node_count(kind) nodes, which is not checked.
+  void add(const HigherOrderKind& kind, std::span<const std::uint32_t> points) {
+    kinds.push_back(kind);
+    nodes.insert(nodes.end(), points.begin(), points.end());
+    first.push_back(nodes.size());
+  }
+};
+
 /// Lists of numbers, one per row, in one array (compressed sparse rows). `Offset` counts the entries.
 template <class Offset>
 struct AdjacencyT {

@@ -42,6 +42,8 @@ struct GridBlock {
   /// cells of higher order and polyhedra are cut. Their rows in `cell_arrays` are equal, and make one sample. Empty:
   /// all cells are whole.
   std::vector<std::uint32_t> piece_of;
+  /// Cells of higher order that `cells` are pieces of: values at points follow their shape functions.
+  HigherOrderCells higher;
   /// Flat cells of unstructured blocks without other cells: triangles and quadrilaterals; the fourth corner of
   /// triangles is kNone.
   std::vector<std::array<std::uint32_t, 4>> flat_cells;

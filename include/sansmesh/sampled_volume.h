@@ -81,6 +81,7 @@ struct SANSMESH_API SampledVolume {
   std::optional<Lattice> lattice;          ///< uniform and rectilinear grids: determines all positions
   std::vector<Vec3> positions;             ///< sample positions; empty for a lattice
   CellList cells;                          ///< cells that cover the volume: none degenerate or inverted
+  HigherOrderCells higher;                 ///< cells that these are pieces of; nodes are samples. Point values only
   std::vector<Vec3> corners;               ///< see above
   std::vector<std::uint32_t> cell_sample;  ///< see above
   /// Star of each sample: the samples that share an edge with it (for cell values: whose cells share a face), also

@@ -50,4 +50,29 @@ std::span<const CellFace> cell_faces(CellShape shape) {
   return kHexahedronFaces;
 }
 
+std::size_t node_count(const HigherOrderKind& kind) {
+  std::array<std::size_t, 3> n{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    n[k] = kind.orders[k];
+    if (n[k] < 1 || n[k] > HigherOrderKind::kMostOrder) return 0;
+  }
+  switch (kind.family) {
+    case HigherOrderFamily::tetrahedron:
+      return (n[0] + 1) * (n[0] + 2) * (n[0] + 3) / 6;
+    case HigherOrderFamily::wedge:
+      return (n[0] + 1) * (n[0] + 2) / 2 * (n[2] + 1);
+    case HigherOrderFamily::hexahedron:
+      return (n[0] + 1) * (n[1] + 1) * (n[2] + 1);
+    case HigherOrderFamily::hexahedron_20:
+      return 20;
+    case HigherOrderFamily::hexahedron_24:
+      return 24;
+    case HigherOrderFamily::wedge_15:
+      return 15;
+    case HigherOrderFamily::pyramid_13:
+      return 13;
+  }
+  return 0;
+}
+
 }  // namespace sansmesh::inline v1

@@ -147,6 +147,10 @@ std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volu
           box.extend(frame.from_input(volume.corner(corner)));
           if (!volume.in_cells) spread.take(value(corner));
         }
+        // Values in a piece depend on all nodes of its cell.
+        if (const HigherOrderCells& higher = volume.higher; !higher.of_piece.empty())
+          if (const std::uint32_t whole = higher.of_piece[c]; whole != HigherOrderCells::kNone)
+            for (const std::uint32_t node : higher[whole]) spread.take(value(node));
         if (!volume.in_cells) continue;
         // Values at a cell's corners depend on all cells around them.
         const std::uint32_t sample = volume.cell_sample[c];

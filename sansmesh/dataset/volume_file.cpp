@@ -230,6 +230,31 @@ CellList cells_of(const SectionFile& file) {
   return cells;
 }
 
+/// Family and orders of a cell of higher order, a byte each.
+std::uint32_t number_of_kind(const HigherOrderKind& kind) {
+  std::uint32_t number = static_cast<std::uint32_t>(kind.family);
+  for (std::uint32_t k = 0; k < 3; ++k) number |= std::uint32_t{kind.orders[k]} << (8 * k + 8);
+  return number;
+}
+
+HigherOrderCells higher_of(const SectionFile& file) {
+  HigherOrderCells higher;
+  if (!file.has("HIGHOF")) return higher;
+  higher.of_piece = file.array<std::uint32_t>("HIGHOF").copy();
+  higher.nodes = file.array<std::uint32_t>("HIGHNODE").copy();
+  for (const std::uint32_t number : file.array<std::uint32_t>("HIGHKIND").view()) {
+    HigherOrderKind kind;
+    const std::uint32_t family = number & 255u;
+    if (family > static_cast<std::uint32_t>(HigherOrderFamily::pyramid_13))
+      throw DataError("a cell of higher order is of an unknown kind");
+    kind.family = static_cast<HigherOrderFamily>(family);
+    for (std::uint32_t k = 0; k < 3; ++k) kind.orders[k] = static_cast<std::uint8_t>(number >> (8 * k + 8) & 255u);
+    higher.kinds.push_back(kind);
+    higher.first.push_back(higher.first.back() + node_count(kind));
+  }
+  return higher;
+}
+
 std::shared_ptr<const SampledVolume> samples_of(const SectionFile& file, const ReadJson& json,
                                                 const std::vector<DatasetArray>& arrays) {
   auto volume = std::make_shared<SampledVolume>();
@@ -241,6 +266,7 @@ std::shared_ptr<const SampledVolume> samples_of(const SectionFile& file, const R
   } else {
     volume->positions = file.array<Vec3>("POSITION").copy();
     volume->cells = cells_of(file);
+    volume->higher = higher_of(file);
     volume->corners = optional_section<Vec3>(file, "CORNER");
     volume->cell_sample = optional_section<std::uint32_t>(file, "CELLSAMP");
     volume->stars.entries = file.array<std::uint32_t>("STAR").copy();
@@ -297,13 +323,20 @@ void check_fitted(const FittedVolume& fitted) {
   if (!(fitted.chosen.smoothing > 0)) throw DataError("it has smoothed samples without smoothing");
 }
 
-void add_samples(const SampledVolume& volume, std::vector<FileSection>& sections) {
+/// `kinds` holds bytes of a section.
+void add_samples(const SampledVolume& volume, std::vector<std::uint32_t>& kinds, std::vector<FileSection>& sections) {
   sections.push_back(section_of("POSITION", std::span(volume.positions)));
   sections.push_back(section_of("SHAPE", std::span(volume.cells.shapes)));
   sections.push_back(section_of("CELL", std::span(volume.cells.corners)));
   if (!volume.cell_sample.empty()) {
     sections.push_back(section_of("CORNER", std::span(volume.corners)));
     sections.push_back(section_of("CELLSAMP", std::span(volume.cell_sample)));
+  }
+  if (!volume.higher.empty()) {
+    for (const HigherOrderKind& kind : volume.higher.kinds) kinds.push_back(number_of_kind(kind));
+    sections.push_back(section_of("HIGHOF", std::span(volume.higher.of_piece)));
+    sections.push_back(section_of("HIGHKIND", std::span<const std::uint32_t>(kinds)));
+    sections.push_back(section_of("HIGHNODE", std::span(volume.higher.nodes)));
   }
   sections.push_back(section_of("STARBEG", std::span(volume.stars.first)));
   sections.push_back(section_of("STAR", std::span(volume.stars.entries)));
@@ -361,13 +394,14 @@ void write_volume_file(const std::string& file, const FittedVolume& fitted) {
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   std::vector<FileSection> sections{{"META", 1, text}};
   std::vector<double> lattice;
+  std::vector<std::uint32_t> kinds;
   if (volume.lattice) {
     lattice = lattice_numbers(*volume.lattice);
     sections.push_back(section_of("LATTICE", std::span<const double>(lattice)));
     for (std::size_t k = 0; k < 3; ++k)
       sections.push_back(section_of(fmt::format("AXIS{}", k), std::span(volume.lattice->axes[k])));
   } else {
-    add_samples(volume, sections);
+    add_samples(volume, kinds, sections);
   }
   if (!volume.part.empty()) sections.push_back(section_of("PART", std::span(volume.part)));
   if (!volume.block.empty()) sections.push_back(section_of("BLOCK", std::span(volume.block)));

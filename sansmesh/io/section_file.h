@@ -34,7 +34,7 @@ struct SectionFormat {
   std::uint32_t minor = 0;
 };
 inline constexpr SectionFormat kFunctionSections{"SMF", "function file (.smf)", 1, 2};
-inline constexpr SectionFormat kVolumeSections{"SMV", "fitted volume (.smv)", 1, 0};
+inline constexpr SectionFormat kVolumeSections{"SMV", "fitted volume (.smv)", 1, 1};
 
 /// Writes the sections atomically, each with a checksum and aligned to 64 bytes. Throws FileError.
 void write_sections(const std::string& file, const std::vector<FileSection>& sections,

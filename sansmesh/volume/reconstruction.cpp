@@ -38,8 +38,9 @@ std::size_t bytes_in(const Arrays&... arrays) {
 }
 
 std::size_t bytes_of_samples(const SampledVolume& v) {
-  std::size_t sum = bytes_in(v.positions, v.cells.shapes, v.cells.corners, v.cells.first, v.corners, v.cell_sample,
-                             v.stars.entries, v.stars.first, v.part, v.block, v.level);
+  std::size_t sum =
+      bytes_in(v.positions, v.cells.shapes, v.cells.corners, v.cells.first, v.corners, v.cell_sample, v.higher.of_piece,
+               v.higher.nodes, v.stars.entries, v.stars.first, v.part, v.block, v.level);
   for (const Attribute& a : v.attributes)
     sum += std::visit([](const auto& values) { return bytes_in(values); }, a.values);
   if (v.lattice)

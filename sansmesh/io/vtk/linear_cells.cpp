@@ -1,7 +1,6 @@
 #include "sansmesh/io/vtk/linear_cells.h"
 
 #include <vtkCellType.h>
-#include <vtkHigherOrderHexahedron.h>
 #include <vtkHigherOrderQuadrilateral.h>
 
 #include <algorithm>
@@ -41,10 +40,6 @@ const CellFrame& frame_of(CellShape shape) {
   };
   return frames[static_cast<std::size_t>(shape)];
 }
-
-/// Nodes of a hexahedron of 27 in three layers of three rows of three.
-constexpr std::uint8_t kThreeByThree[27] = {0,  8,  1,  11, 24, 9,  3, 10, 2,  16, 22, 17, 20, 26,
-                                            21, 19, 23, 18, 4,  12, 5, 15, 25, 13, 7,  14, 6};
 
 std::string words_of(std::size_t n, const std::string& noun) {
   std::string digits = std::to_string(n);
@@ -153,19 +148,6 @@ bool LinearCells::add_quadratic(CellShape shape, std::span<const std::uint32_t> 
   return true;
 }
 
-template <class At>
-void LinearCells::lattice(std::size_t n, const At& at) {
-  for (std::size_t k = 0; k < n; ++k) {
-    for (std::size_t j = 0; j < n; ++j) {
-      for (std::size_t i = 0; i < n; ++i) {
-        piece(CellShape::hexahedron,
-              {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
-               at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
-      }
-    }
-  }
-}
-
 bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
   const auto at_least = [&](std::size_t n) { return p.size() >= n; };
   const auto wedge = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d, std::size_t e, std::size_t f) {
@@ -196,74 +178,8 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       piece(CellShape::hexahedron, {p[0], p[1], p[2], p[3], p[6], p[7], p[8], p[9]});
       piece(CellShape::hexahedron, {p[0], p[3], p[4], p[5], p[6], p[9], p[10], p[11]});
       return true;
-    case VTK_QUADRATIC_TETRA:
-      return add_quadratic(CellShape::tetrahedron, p);
-    case VTK_QUADRATIC_PYRAMID:
-    case 37:  // VTK_TRIQUADRATIC_PYRAMID, which older versions lack
-      return add_quadratic(CellShape::pyramid, p);
-    case VTK_QUADRATIC_WEDGE:
-      return add_quadratic(CellShape::wedge, p);
-    case VTK_QUADRATIC_HEXAHEDRON:
-    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
-      return add_quadratic(CellShape::hexahedron, p);
-    case VTK_TRIQUADRATIC_HEXAHEDRON: {
-      if (!at_least(27)) return false;
-      lattice(2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; });
-      return true;
-    }
-    case VTK_QUADRATIC_LINEAR_WEDGE:
-      if (!at_least(12)) return false;
-      wedge(0, 6, 8, 3, 9, 11), wedge(6, 1, 7, 9, 4, 10), wedge(8, 7, 2, 11, 10, 5), wedge(6, 7, 8, 9, 10, 11);
-      return true;
-    case VTK_BIQUADRATIC_QUADRATIC_WEDGE: {
-      if (!at_least(18)) return false;
-      // Three layers of corners and of nodes between them.
-      constexpr std::size_t layer[3][6] = {{0, 1, 2, 6, 7, 8}, {12, 13, 14, 15, 16, 17}, {3, 4, 5, 9, 10, 11}};
-      constexpr std::size_t triangles[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
-      for (std::size_t k = 0; k < 2; ++k) {
-        for (const auto& t : triangles)
-          wedge(layer[k][t[0]], layer[k][t[1]], layer[k][t[2]], layer[k + 1][t[0]], layer[k + 1][t[1]],
-                layer[k + 1][t[2]]);
-      }
-      return true;
-    }
     default:
-      return add_higher_order(type, p);
-  }
-}
-
-/// Only the corners of most cells of higher order are used.
-bool LinearCells::add_higher_order(int type, std::span<const std::uint32_t> p) {
-  switch (type) {
-    case VTK_LAGRANGE_HEXAHEDRON: {
-      const std::size_t order = static_cast<std::size_t>(std::lround(std::cbrt(static_cast<double>(p.size())))) - 1;
-      if (order == 0 || (order + 1) * (order + 1) * (order + 1) != p.size()) return add_solid(VTK_HEXAHEDRON, p);
-      const int n = static_cast<int>(order), orders[3] = {n, n, n};
-      lattice(order, [&](std::size_t i, std::size_t j, std::size_t k) {
-        const auto at = [](std::size_t x) { return static_cast<int>(x); };
-        return p[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(at(i), at(j), at(k), orders))];
-      });
-      return true;
-    }
-    case VTK_BEZIER_HEXAHEDRON:
-    case VTK_HIGHER_ORDER_HEXAHEDRON:
-      return add_solid(VTK_HEXAHEDRON, p);
-    case VTK_LAGRANGE_TETRAHEDRON:
-      if (p.size() == 10) return add_quadratic(CellShape::tetrahedron, p);
-      [[fallthrough]];
-    case VTK_BEZIER_TETRAHEDRON:
-    case VTK_HIGHER_ORDER_TETRAHEDRON:
-      return add_solid(VTK_TETRA, p);
-    case VTK_LAGRANGE_WEDGE:
-    case VTK_BEZIER_WEDGE:
-    case VTK_HIGHER_ORDER_WEDGE:
-      return add_solid(VTK_WEDGE, p);
-    case VTK_LAGRANGE_PYRAMID:
-    case VTK_BEZIER_PYRAMID:
-    case VTK_HIGHER_ORDER_PYRAMID:
-      return add_solid(VTK_PYRAMID, p);
-    default:
-      return false;
+      return add_quadratic_solid(type, p);
   }
 }
 
@@ -339,8 +255,9 @@ bool LinearCells::add_flat(int type, std::span<const std::uint32_t> p) {
   }
 }
 
-bool LinearCells::add(int type, std::span<const std::uint32_t> nodes, std::uint32_t row) {
-  row_ = row;
+bool LinearCells::add(int type, std::span<const std::uint32_t> nodes, std::uint32_t row, std::array<int, 3> degrees) {
+  row_ = row, degrees_ = degrees;
+  const std::size_t shaped = higher.size();
   if (type == VTK_EMPTY_CELL) return true;
   if (type == VTK_VERTEX || type == VTK_POLY_VERTEX) return ++vertices, true;
   if (std::string_view(kind_of_corners(type)) == "line") return ++lines, true;
@@ -351,18 +268,21 @@ bool LinearCells::add(int type, std::span<const std::uint32_t> nodes, std::uint3
     if (!known) leave_out("cell of an unknown type");
     return !known;
   }
+  if (higher.size() > shaped) higher.of_piece.resize(cells.size(), static_cast<std::uint32_t>(shaped));
   const std::size_t made = cells.size() - solids + flat_cells.size() - flats;
   if (type == VTK_TETRA || type == VTK_PYRAMID || type == VTK_WEDGE || type == VTK_HEXAHEDRON || type == VTK_VOXEL ||
       type == VTK_TRIANGLE || type == VTK_QUAD || type == VTK_PIXEL)
     return true;
-  const bool higher = type >= VTK_HIGHER_ORDER_EDGE;
-  if (higher && made == 1 && nodes.size() > 8) {
+  const bool late = type >= VTK_HIGHER_ORDER_EDGE;
+  if (late && made == 1 && nodes.size() > 8) {
     ++corners_only_["cell of higher order"];
   } else if (made > 1) {
-    auto& [before, after] = cut_[higher                                                        ? "cell of higher order"
-                                 : type >= VTK_QUADRATIC_EDGE && type <= 37                    ? "quadratic cell"
-                                 : type == VTK_PENTAGONAL_PRISM || type == VTK_HEXAGONAL_PRISM ? "prism"
-                                                                                               : "polygon or strip"];
+    const bool own = higher.size() > shaped;
+    auto& [before, after] =
+        (own ? shaped_ : cut_)[late                                                          ? "cell of higher order"
+                               : type >= VTK_QUADRATIC_EDGE && type <= 37                    ? "quadratic cell"
+                               : type == VTK_PENTAGONAL_PRISM || type == VTK_HEXAGONAL_PRISM ? "prism"
+                                                                                             : "polygon or strip"];
     ++before, after += made;
   }
   return true;
@@ -389,6 +309,10 @@ std::vector<std::string> LinearCells::notes() const {
   for (const auto& [kind, counts] : cut_)
     notes.push_back(words_of(counts[0], kind) + (counts[0] == 1 ? " was" : " were") + " cut into " +
                     words_of(counts[1], "linear cell"));
+  for (const auto& [kind, counts] : shaped_)
+    notes.push_back(words_of(counts[0], kind) + (counts[0] == 1 ? " was" : " were") + " cut into " +
+                    words_of(counts[1], "piece") + " that follow " + (counts[0] == 1 ? "its" : "their") +
+                    " shape functions");
   for (const auto& [kind, count] : corners_only_)
     notes.push_back("of " + words_of(count, kind) + " only the corners are used");
   const auto left = [&](std::size_t n, const std::string& noun) {

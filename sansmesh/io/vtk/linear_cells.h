@@ -14,11 +14,12 @@
 
 namespace sansmesh::inline v1::io {
 
-/// Collects cells and cuts them if needed. Cells with nodes on their edges are cut at all of these nodes. (Nodes at
-/// corners of quadratic pyramids in faces, and nodes of orders higher than those of Lagrange hexahedra and
-/// quadrilaterals, are ignored.) Polyhedra become tetrahedra that share the first node (by x, then y, then z, then
-/// number), and their faces triangles that share theirs. So cells with a common face are cut alike there, whatever the
-/// order of the nodes. Cells keep VTK's orientation; inverted cells stay inverted.
+/// Collects cells and cuts them if needed. Cells of higher order are cut at all of their nodes, and keep their kind and
+/// nodes in `higher`. (Triquadratic pyramids are cut at the nodes of their edges; of Bézier cells, Lagrange pyramids,
+/// and Lagrange cells with other numbers of nodes than their order has, only the corners are used.) Polyhedra become
+/// tetrahedra that share the first node (by x, then y, then z, then number), and their faces triangles that share
+/// theirs. So cells with a common face are cut alike there, whatever the order of the nodes. Cells keep VTK's
+/// orientation; inverted cells stay inverted.
 class LinearCells {
  public:
   /// Positions of the nodes; must outlive this.
@@ -26,7 +27,8 @@ class LinearCells {
 
   /// `type` is VTK's number of a linear, quadratic or Lagrange cell; nodes are in VTK's order. Returns false if there
   /// are fewer nodes than the type has.
-  bool add(int type, std::span<const std::uint32_t> nodes, std::uint32_t row);
+  /// `degrees`: those of a Lagrange cell along its axes, if the file states them.
+  bool add(int type, std::span<const std::uint32_t> nodes, std::uint32_t row, std::array<int, 3> degrees = {});
   /// A polyhedron by its faces, each a ring of nodes.
   void add_polyhedron(std::span<const std::vector<std::uint32_t>> faces, std::uint32_t row);
   /// Tetrahedra of a cell cut elsewhere, four nodes each.
@@ -37,6 +39,7 @@ class LinearCells {
   std::vector<std::string> notes() const;
 
   CellList cells;
+  HigherOrderCells higher;                               ///< `of_piece` ends with the last piece
   std::vector<std::uint32_t> rows;                       ///< for each cell: its `row`
   std::vector<std::array<std::uint32_t, 4>> flat_cells;  ///< as in GridBlock
   std::vector<std::uint32_t> flat_rows;
@@ -49,16 +52,30 @@ class LinearCells {
   void fan(std::span<const std::uint32_t> ring);
   void cone(std::span<const std::vector<std::uint32_t>> faces);
   bool add_quadratic(CellShape shape, std::span<const std::uint32_t> nodes);
-  /// n³ hexahedra between the nodes at(i, j, k).
+  /// Pieces between the nodes at(i, j, k), n[0] n[1] n[2] hexahedra, n³ tetrahedra (and more) or n² m wedges; keeps the
+  /// nodes as a cell of higher order.
   template <class At>
-  void lattice(std::size_t n, const At& at);
+  void lattice(std::array<std::size_t, 3> n, const At& at);
+  template <class At>
+  void simplex(std::size_t n, const At& at);
+  template <class At>
+  void prism(std::size_t n, std::size_t layers, const At& at);
+  void octahedron(const std::array<std::uint32_t, 6>& nodes);
+  void add_hexahedron_24(std::span<const std::uint32_t> nodes);
+  bool add_lagrange_hexahedron(std::span<const std::uint32_t> nodes);
+  bool add_lagrange_tetrahedron(std::span<const std::uint32_t> nodes);
+  bool add_lagrange_wedge(std::span<const std::uint32_t> nodes);
+  /// The cell of higher order of the pieces that are being added.
+  void keep(HigherOrderFamily family, std::array<std::size_t, 3> orders, std::vector<std::uint32_t> nodes);
   bool add_solid(int type, std::span<const std::uint32_t> nodes);
+  bool add_quadratic_solid(int type, std::span<const std::uint32_t> nodes);
   bool add_higher_order(int type, std::span<const std::uint32_t> nodes);
   bool add_flat(int type, std::span<const std::uint32_t> nodes);
 
   std::span<const Vec3> points_;
   std::uint32_t row_ = 0;
-  std::map<std::string, std::array<std::size_t, 2>> cut_;  ///< by kind: cells, and pieces made of them
+  std::array<int, 3> degrees_{};
+  std::map<std::string, std::array<std::size_t, 2>> cut_, shaped_;  ///< by kind: cells, and pieces made of them
   std::map<std::string, std::size_t> left_out_, corners_only_;
 };
 

@@ -199,6 +199,10 @@ void finish_cells(vtkPointSet& set, LinearCells& linear, VtkSink& sink, GridBloc
   if (solid) {
     block.cells = std::move(linear.cells);
     if (std::adjacent_find(rows.begin(), rows.end()) != rows.end()) block.piece_of = rows;
+    if (!linear.higher.empty()) {
+      block.higher = std::move(linear.higher);
+      block.higher.of_piece.resize(block.cells.size(), HigherOrderCells::kNone);
+    }
   } else {
     block.flat_cells = std::move(linear.flat_cells);
   }
@@ -228,6 +232,18 @@ void check_offsets(vtkCellArray* cells, vtkIdType expected) {
       fail("cell " + std::to_string(c) + " begins beyond the list of cells");
     before = at;
   }
+}
+
+/// Degrees of a Lagrange cell along its axes, if the file states them.
+std::array<int, 3> degrees_of(vtkUnstructuredGrid& grid, vtkIdType cell) {
+  vtkDataArray* const all = grid.GetCellData()->GetHigherOrderDegrees();
+  if (!all || all->GetNumberOfComponents() != 3 || cell >= all->GetNumberOfTuples()) return {};
+  std::array<int, 3> degrees{};
+  for (int k = 0; k < 3; ++k) {
+    const double d = all->GetComponent(cell, k);
+    degrees[static_cast<std::size_t>(k)] = d >= 1 && d <= 1000 ? static_cast<int>(d) : 0;
+  }
+  return degrees;
 }
 
 void add_unstructured(vtkUnstructuredGrid& grid, VtkSink& sink, GridBlock& block, GridData& data) {
@@ -269,7 +285,7 @@ void add_unstructured(vtkUnstructuredGrid& grid, VtkSink& sink, GridBlock& block
       nodes.clear();
       for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) nodes.push_back(checked_node(ids->GetId(k), points, c));
       linear.add_tetrahedra(nodes, row);
-    } else if (!linear.add(type, nodes, row)) {
+    } else if (!linear.add(type, nodes, row, degrees_of(grid, c))) {
       fail("cell " + std::to_string(c) + " has " + std::to_string(nodes.size()) + " points, too few for its type (" +
            std::to_string(type) + ")");
     }

@@ -313,9 +313,36 @@ void remove_overlapped(GatheredCells& gathered, std::vector<std::uint32_t>& sour
   facts.overlapped = gathered.centers.empty() ? before - after : lost;
 }
 
-/// Samples at cell corners.
+/// The cells of higher order whose nodes are distinct samples; `source` is the previous index of each cell.
+HigherOrderCells kept_higher(const HigherOrderCells& all, const std::vector<std::uint32_t>& source,
+                             const std::vector<std::uint32_t>& number, std::size_t cells) {
+  HigherOrderCells kept;
+  if (all.of_piece.empty()) return kept;
+  constexpr std::uint32_t kNew = 0xfffffffeu;
+  std::vector<std::uint32_t> kept_as(all.size(), kNew), nodes, sorted;
+  kept.of_piece.assign(cells, HigherOrderCells::kNone);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const std::uint32_t whole = all.of_piece[source.empty() ? c : source[c]];
+    if (whole == HigherOrderCells::kNone) continue;
+    if (kept_as[whole] == kNew) {
+      nodes.clear();
+      for (const std::uint32_t p : all[whole]) nodes.push_back(number[p]);
+      sorted = nodes;
+      std::sort(sorted.begin(), sorted.end());
+      const bool usable = sorted.back() != kUnused && std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+      kept_as[whole] = usable ? static_cast<std::uint32_t>(kept.size()) : HigherOrderCells::kNone;
+      if (usable) kept.add(all.kinds[whole], nodes);
+    }
+    kept.of_piece[c] = kept_as[whole];
+  }
+  if (kept.empty()) kept = {};
+  return kept;
+}
+
+/// Samples at cell corners; `source`: previous index of each cell, empty if unchanged.
 void set_point_samples(const GridData& data, const std::vector<std::size_t>& order, GatheredCells& gathered,
-                       const std::vector<std::uint32_t>& first_there, SampledVolume& volume) {
+                       const std::vector<std::uint32_t>& first_there, const std::vector<std::uint32_t>& source,
+                       SampledVolume& volume) {
   const std::size_t points = gathered.points.size();
   std::size_t count = 0;
   const auto number = used_points(gathered.cells, points, count);
@@ -341,6 +368,7 @@ void set_point_samples(const GridData& data, const std::vector<std::size_t>& ord
     volume.attributes = volume.attributes.means(group, std::vector<double>(group.size(), 1.0), count);
   volume.cells = std::move(gathered.cells);
   for (std::uint32_t& p : volume.cells.corners) p = number[p];
+  volume.higher = kept_higher(gathered.higher, source, number, volume.cells.size());
   volume.stars = edge_neighbours(volume.cells, count);
   if (volume.block.empty()) return;
   // Links across non-conforming block borders: a sample there and the corners of the cell beyond.
@@ -468,7 +496,7 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   if (in_cells)
     set_cell_samples(data, order, gathered, source, volume);
   else
-    set_point_samples(data, order, gathered, first_there, volume);
+    set_point_samples(data, order, gathered, first_there, source, volume);
   gathered = {};
   check_arrays(data, volume);
   progress.advance();

@@ -66,6 +66,33 @@ void check_cells(const SampledVolume& volume) {
          "a cell has a sample that does not exist");
 }
 
+void check_higher(const SampledVolume& volume) {
+  const HigherOrderCells& higher = volume.higher;
+  const std::size_t n = higher.size();
+  demand(higher.of_piece.size() == (n == 0 ? 0 : volume.cells.size()) && (n == 0 || volume.corners.empty()) &&
+             higher.first.size() == n + 1 && higher.first[0] == 0 && higher.first[n] == higher.nodes.size(),
+         "its cells of higher order do not fit their pieces");
+  demand(
+      holds_for_all(n,
+                    [&](std::size_t h) {
+                      const std::size_t count = node_count(higher.kinds[h]);
+                      return count > 0 && higher.first[h + 1] - higher.first[h] == count;
+                    }) &&
+          holds_for_all(higher.nodes.size(), [&](std::size_t k) { return higher.nodes[k] < volume.positions.size(); }),
+      "a cell of higher order has a wrong number of nodes, or one that does not exist");
+  demand(holds_for_all(higher.of_piece.size(),
+                       [&](std::size_t c) {
+                         const std::uint32_t h = higher.of_piece[c];
+                         if (h == HigherOrderCells::kNone) return true;
+                         if (h >= n) return false;
+                         const auto nodes = higher[h];
+                         return std::all_of(volume.cells[c].begin(), volume.cells[c].end(), [&](std::uint32_t k) {
+                           return std::find(nodes.begin(), nodes.end(), k) != nodes.end();
+                         });
+                       }),
+         "a piece does not belong to its cell of higher order");
+}
+
 void check_stars(const Adjacency& stars, std::size_t n) {
   demand(stars.first.size() == n + 1 && stars.first[0] == 0 && stars.first[n] == stars.entries.size(),
          "the neighbour lists do not fit its samples");
@@ -91,7 +118,7 @@ void check_volume(const SampledVolume& volume) {
   if (volume.lattice) {
     check_lattice(*volume.lattice);
     demand(volume.positions.empty() && volume.cells.empty() && volume.corners.empty() && volume.cell_sample.empty() &&
-               volume.stars.size() == 0,
+               volume.higher.of_piece.empty() && volume.higher.empty() && volume.stars.size() == 0,
            "it has both a lattice and cells");
   } else {
     const std::size_t n = volume.positions.size();
@@ -100,6 +127,7 @@ void check_volume(const SampledVolume& volume) {
                holds_for_all(volume.corners.size(), [&](std::size_t i) { return is_position(volume.corners[i]); }),
            "a position is invalid");
     check_cells(volume);
+    check_higher(volume);
     check_stars(volume.stars, n);
   }
   const std::size_t n = volume.size();

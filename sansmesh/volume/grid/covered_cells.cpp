@@ -120,6 +120,7 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& g) {
   take_out(g.cell_row, gone);
   take_out(g.cell_block, gone);
   take_out(g.cell_whole, gone);
+  take_out(g.higher.of_piece, gone);
   take_out(g.centers, gone);
   return count;
 }

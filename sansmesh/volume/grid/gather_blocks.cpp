@@ -117,6 +117,25 @@ class BlockGatherer {
     if (many_) out_.cell_block.push_back(number_);
     if (cut_) out_.cell_whole.push_back(whole_of_[row]);
     if (centers_) out_.centers.push_back(sum / static_cast<double>(points.size()));
+    if (!centers_ && !b_.higher.of_piece.empty()) add_higher(row);
+  }
+
+  /// Marks the last cell as a piece of its cell of higher order, if all nodes of that are usable.
+  void add_higher(std::size_t row) {
+    HigherOrderCells& higher = out_.higher;
+    higher.of_piece.resize(out_.cells.size(), HigherOrderCells::kNone);
+    const std::uint32_t from = b_.higher.of_piece[row];
+    if (from == HigherOrderCells::kNone) return;
+    if (higher_of_.empty()) higher_of_.assign(b_.higher.size(), HigherOrderCells::kNone);
+    if (higher_of_[from] == HigherOrderCells::kNone) {
+      std::vector<std::uint32_t> nodes;
+      for (const std::uint32_t p : b_.higher[from])
+        if (usable_[p]) nodes.push_back(number_of_[p]);
+      if (nodes.size() < b_.higher[from].size()) return;
+      higher_of_[from] = static_cast<std::uint32_t>(higher.size());
+      higher.add(b_.higher.kinds[from], nodes);
+    }
+    higher.of_piece.back() = higher_of_[from];
   }
 
   void add_cells() {
@@ -160,6 +179,7 @@ class BlockGatherer {
   BlockRows rows_;
   std::vector<std::uint8_t> usable_;      ///< per row
   std::vector<std::uint32_t> number_of_;  ///< per row: index in the list of all points
+  std::vector<std::uint32_t> higher_of_;  ///< per cell of higher order: its number in the list; empty until needed
   std::vector<std::uint32_t> whole_of_;   ///< per row of cells: number of the file's cell, if any block has cut cells
 };
 
@@ -206,6 +226,8 @@ GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>&
     if (block.kind == GridKind::scattered || point_count_of(block) == 0 || (solid && !is_solid(block))) continue;
     BlockGatherer(block, b, data.blocks.size() > 1, centers, cut, gathered, flat, facts).run();
   }
+  if (!gathered.higher.of_piece.empty())
+    gathered.higher.of_piece.resize(gathered.cells.size(), HigherOrderCells::kNone);
   if (!gathered.cell_whole.empty() && centers) join_centers(gathered);
   if (!flat.empty()) thicken(flat, centers, gathered, facts);
   return gathered;

@@ -21,6 +21,7 @@ struct GatheredCells {
   /// Number from 0 that the pieces of one cell of the file share; empty if all cells are whole.
   std::vector<std::uint32_t> cell_whole;
   std::uint32_t wholes = 0;  ///< count of these numbers
+  HigherOrderCells higher;   ///< only without centers; `of_piece` is as long as `cells`, or empty
   /// Position of each cell's value; only if requested.
   std::vector<Vec3> centers;
 };

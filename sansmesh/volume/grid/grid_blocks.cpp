@@ -36,6 +36,17 @@ void check_block(const GridBlock& b, std::size_t number) {
     fail("the cell flags do not have one row per cell");
   if (!b.piece_of.empty() && b.piece_of.size() != b.cells.size())
     fail("the numbers of cut cells do not have one row per cell");
+  if (const HigherOrderCells& higher = b.higher; !higher.of_piece.empty()) {
+    if (higher.of_piece.size() != b.cells.size())
+      fail("the numbers of cells of higher order do not have one row per cell");
+    for (const std::uint32_t h : higher.of_piece)
+      if (h != HigherOrderCells::kNone && h >= higher.size()) fail("a cell is a piece of a missing cell");
+    for (std::size_t h = 0; h < higher.size(); ++h)
+      if (node_count(higher.kinds[h]) == 0 || higher[h].size() != node_count(higher.kinds[h]))
+        fail("a cell of higher order has a wrong number of nodes");
+    for (const std::uint32_t p : higher.nodes)
+      if (p >= points) fail(fmt::format("a cell uses point {} of {}", p, points));
+  }
   for (const Attribute& a : b.point_arrays)
     if (a.rows() != points) fail("array '" + printable(a.name, 60) + "' does not have one row per point");
   for (const Attribute& a : b.cell_arrays)

@@ -169,8 +169,10 @@ std::vector<std::uint32_t> join_coincident(GatheredCells& g) {
   };
   const std::vector<double> shortest = shortest_edges(g.points.size(), each_edge, g.joinable);
   auto first = coincident_points(g.points, shortest, g.joinable);
-  if (!first.empty())
+  if (!first.empty()) {
     for (std::uint32_t& p : g.cells.corners) p = first[p];
+    for (std::uint32_t& p : g.higher.nodes) p = first[p];
+  }
   return first;
 }
 

@@ -147,13 +147,18 @@ void BlendWeights(CellShape shape, std::size_t n, bool gradient, CellTile& tile)
 }
 
 template <bool kGradient>
-void BlendCornersT(const CellCorner* corners, std::size_t count, std::size_t n, CellTile& tile) {
+void BlendCornersT(const CellCorner* corners, std::size_t count, std::size_t n, bool own, CellTile& tile) {
   const BlendTag d;
   bool linear = false;
   for (std::size_t v = 0; v < count; ++v) linear = linear || corners[v].trust < 1;
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
     BlendV lv = hn::Zero(d), lx = lv, ly = lv, lz = lv;
-    if (linear) {
+    if (linear && own) {
+      lv = hn::Load(d, tile.own + i);
+      if (kGradient)
+        lx = hn::Load(d, tile.own_slopes[0] + i), ly = hn::Load(d, tile.own_slopes[1] + i),
+        lz = hn::Load(d, tile.own_slopes[2] + i);
+    } else if (linear) {
       for (std::size_t v = 0; v < count; ++v) {
         const auto f = hn::Set(d, corners[v].value);
         lv = pn::MulAdd(hn::Load(d, tile.weights[v] + i), f, lv);
@@ -208,11 +213,12 @@ void BlendCornersT(const CellCorner* corners, std::size_t count, std::size_t n, 
   }
 }
 
-void BlendCorners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, CellTile& tile) {
+void BlendCorners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, bool own,
+                  CellTile& tile) {
   if (gradient)
-    BlendCornersT<true>(corners, count, n, tile);
+    BlendCornersT<true>(corners, count, n, own, tile);
   else
-    BlendCornersT<false>(corners, count, n, tile);
+    BlendCornersT<false>(corners, count, n, own, tile);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -227,8 +233,9 @@ HWY_EXPORT(BlendCorners);
 void blend_weights(CellShape shape, std::size_t n, bool gradient, CellTile& tile) {
   HWY_DYNAMIC_DISPATCH(BlendWeights)(shape, n, gradient, tile);
 }
-void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, CellTile& tile) {
-  HWY_DYNAMIC_DISPATCH(BlendCorners)(corners, count, n, gradient, tile);
+void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, bool own,
+                   CellTile& tile) {
+  HWY_DYNAMIC_DISPATCH(BlendCorners)(corners, count, n, gradient, own, tile);
 }
 
 }  // namespace sansmesh::inline v1::detail

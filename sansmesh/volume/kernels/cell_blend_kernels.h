@@ -10,7 +10,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Contribution of one corner of a cell: τ p(x) + (1 − τ) L(x), L the linear interpolation in the cell.
+/// Contribution of one corner of a cell: τ p(x) + (1 − τ) L(x), L the interpolation in the cell.
 struct CellCorner {
   StarMetric metric;
   const float* coefficients = nullptr;  ///< without the constant: see LocalPolynomials
@@ -27,7 +27,9 @@ struct CellTile {
   alignas(64) float weights[8][kTile];     ///< shape functions N of the corners
   alignas(64) float slopes[8][3][kTile];   ///< their gradients; only if requested
   alignas(64) float offsets[8][3][kTile];  ///< x − corner
-  alignas(64) float blend[8][kTile];       ///< output: S
+  alignas(64) float own[kTile];            ///< L minus the base of the cell, if it is not the linear interpolation
+  alignas(64) float own_slopes[3][kTile];
+  alignas(64) float blend[8][kTile];  ///< output: S
   alignas(64) float blend_slopes[8][3][kTile];
   alignas(64) float value[kTile];        ///< output
   alignas(64) float gradient[3][kTile];  ///< output
@@ -39,8 +41,9 @@ struct CellTile {
 /// the others, and its values on a face depend only on the face. Where cells meet at right angles ∇S is continuous.
 void blend_weights(CellShape shape, std::size_t n, bool gradient, CellTile& tile);
 
-/// Σ_v S_v (τ_v p_v + (1 − τ_v) L) at the first n points, and its gradient if requested. The result is the same on
-/// every machine.
-void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, CellTile& tile);
+/// Σ_v S_v (τ_v p_v + (1 − τ_v) L) at the first n points, and its gradient if requested; L is linear, or `own` of the
+/// tile. The result is the same on every machine.
+void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, bool own,
+                   CellTile& tile);
 
 }  // namespace sansmesh::inline v1::detail

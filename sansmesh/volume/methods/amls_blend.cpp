@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/kernels/amls_kernels.h"
 #include "sansmesh/volume/methods/grouped_field.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
@@ -69,6 +70,7 @@ class AmlsBlend final : public GroupedField {
         shape_(shape),
         linear_share_(has_linear_share(this->volume())),
         index_(this->volume(), polynomials_.metrics.view(), radii_.view()),
+        higher_(this->volume()),
         kept_(this->volume().lattice ? this->volume().size() : this->volume().cells.size()) {}
 
  private:
@@ -235,6 +237,9 @@ class AmlsBlend final : public GroupedField {
     const bool all = trust >= 1, none = trust <= 0;
     if (all) return;
     if (none) trust = 0;
+    static thread_local NodeWeights nodes;
+    const bool own = higher_.find(location, x, gradient != nullptr, nodes);
+    if (own) line = nodes.value(values_, m) - base;
     if (gradient) {
       std::array<Vec3, 8> slopes;
       shape_gradients(volume(), location, x, slopes);
@@ -245,6 +250,7 @@ class AmlsBlend final : public GroupedField {
         trust_slope += slopes[v] * static_cast<double>(polynomials_.trust[i]);
       }
       if (none) trust_slope = {};
+      if (own) line_slope = nodes.gradient(values_, m);
       *gradient = *gradient * trust + line_slope * (1 - trust) + trust_slope * (value - line);
     }
     value = trust * value + (1 - trust) * line;
@@ -256,6 +262,7 @@ class AmlsBlend final : public GroupedField {
   AmlsShape shape_;
   bool linear_share_;
   SupportIndex index_;
+  HigherOrderFunctions higher_;
   mutable KeptSupports kept_;
   mutable std::mutex desks_mutex_;
   mutable std::vector<std::unique_ptr<Desk>> desks_;

@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
 
 namespace sansmesh::inline v1 {
@@ -23,7 +24,9 @@ CellAgreement::CellAgreement(const SampledVolume& volume, const VolumeValues& va
 
 void CellAgreement::ask_middles(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split) {
   const std::size_t c = values.components;
+  const HigherOrderFunctions higher(*volume_);
   parallel_for(0, volume_->cells.size(), 256, [&](std::size_t cell) {
+    static thread_local NodeWeights nodes;
     const auto corners = volume_->cells[cell];
     const auto n = static_cast<double>(corners.size());
     Vec3 middle;
@@ -32,6 +35,7 @@ void CellAgreement::ask_middles(const VolumeValues& values, const Polynomials& p
       middle += volume_->positions[k] / n;
     }
     Share* shares = shares_.data() + volume_->cells.first[cell];
+    const bool own = higher.at_middle(static_cast<std::uint32_t>(cell), nodes);
     for (std::size_t m = 0; m < c; ++m) {
       const double base = values.values[corners[0] * c + m];
       std::array<double, 8> at;
@@ -41,6 +45,7 @@ void CellAgreement::ask_middles(const VolumeValues& values, const Polynomials& p
         at[v] = p(k, m, middle) - base;
         mean += at[v] / n, flat += (values.values[k * c + m] - base) / n;
       }
+      if (own) flat = nodes.value(values, m) - base;
       for (std::size_t v = 0; v < corners.size(); ++v) {
         shares[v].gain += (mean - flat) * (mean - flat);
         shares[v].doubt += (at[v] - mean) * (at[v] - mean);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/volume/cells/cell_corners.h"
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/methods/grouped_field.h"
 
 namespace sansmesh::inline v1 {
@@ -19,11 +20,15 @@ class CellBlend final : public GroupedField {
   CellBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
             std::unique_ptr<CornerPolynomials> polynomials)
       : GroupedField(std::move(volume), std::move(locator), polynomials->components()),
-        polynomials_(std::move(polynomials)) {}
+        polynomials_(std::move(polynomials)),
+        higher_(this->volume()) {}
 
  private:
   struct Tile final : Memory {
     CellTile tile;
+    NodeWeights nodes;
+    std::vector<double> own;  // interpolation by cells of higher order: all components, point by point
+    std::vector<Vec3> own_slopes;
   };
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Tile>(); }
@@ -58,9 +63,14 @@ class CellBlend final : public GroupedField {
         for (std::size_t k = 0; k < 3; ++k) tile.slopes[v][k][i] = static_cast<float>(slopes[v][k]);
     }
     detail::blend_weights(shape, filled, gradient, tile);
+    const bool trusted = std::all_of(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(count),
+                                     [](const CellCorner& corner) { return corner.trust >= 1; });
+    const bool own = !trusted && higher_.has(group.cell.cell);
+    if (own) interpolate(group, corners[0].metric, gradient, static_cast<Tile&>(memory));
     for (std::size_t m = 0; m < c; ++m) {
       if (m > 0) base = polynomials_->corners(samples, m, corners);
-      detail::blend_corners(corners.data(), count, filled, gradient, tile);
+      if (own) fill_own(static_cast<Tile&>(memory), n, filled, m, base);
+      detail::blend_corners(corners.data(), count, filled, gradient, own, tile);
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t to = group.to[i] * c + m;
         if (!wanted.values.empty()) wanted.values[to] = base + static_cast<double>(tile.value[i]);
@@ -76,6 +86,32 @@ class CellBlend final : public GroupedField {
     }
   }
 
+  // The functions of a cell of higher order; outside the volume they continue linearly.
+  void interpolate(const Group& group, const StarMetric& metric, bool gradient, Tile& to) const {
+    const std::size_t n = group.size, c = components();
+    const VolumeValues& values = polynomials_->values();
+    to.own.resize(n * c), to.own_slopes.resize(gradient ? n * c : 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 out = held(group.out[i], metric);
+      const bool beyond = squared_norm(out) > 0;
+      higher_.find(*group.locations[i], group.x[i], gradient || beyond, to.nodes);
+      for (std::size_t m = 0; m < c; ++m) {
+        const Vec3 slope = gradient || beyond ? to.nodes.gradient(values, m) : Vec3{};
+        to.own[i * c + m] = to.nodes.value(values, m) + (beyond ? dot(slope, out) : 0);
+        if (gradient) to.own_slopes[i * c + m] = slope;
+      }
+    }
+  }
+  void fill_own(Tile& from, std::size_t n, std::size_t filled, std::size_t m, double base) const {
+    const std::size_t c = components();
+    for (std::size_t i = 0; i < filled; ++i) {
+      const std::size_t at = std::min(i, n - 1) * c + m;
+      from.tile.own[i] = static_cast<float>(from.own[at] - base);
+      for (std::size_t k = 0; k < 3 && !from.own_slopes.empty(); ++k)
+        from.tile.own_slopes[k][i] = static_cast<float>(from.own_slopes[at][k]);
+    }
+  }
+
   // Limits the offset outside the volume to half a local length.
   static Vec3 held(const Vec3& out, const StarMetric& metric) {
     const double length = norm(metric(out));
@@ -84,6 +120,7 @@ class CellBlend final : public GroupedField {
   }
 
   std::unique_ptr<CornerPolynomials> polynomials_;
+  HigherOrderFunctions higher_;
 };
 
 }  // namespace

@@ -26,6 +26,7 @@ class StoredCornerPolynomials final : public CornerPolynomials {
       : volume_(std::move(volume)), polynomials_(std::move(polynomials)), values_(std::move(values)) {}
 
   std::size_t components() const override { return polynomials_.components; }
+  const VolumeValues& values() const override { return values_; }
   double corners(std::span<const std::uint32_t> samples, std::size_t component,
                  std::span<detail::CellCorner> out) const override {
     const std::size_t c = polynomials_.components;

@@ -11,6 +11,7 @@
 #include "sansmesh/volume/cells/axis_interval.h"
 #include "sansmesh/volume/cells/box_tree.h"
 #include "sansmesh/volume/cells/cell_corners.h"
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/grid/point_order.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
 #include "sansmesh/volume/methods/pointwise_field.h"
@@ -24,7 +25,8 @@ constexpr std::size_t kInLattice = 1024;  // points per task of a thread
 
 class LinearField final : public detail::LocatedField {
  public:
-  explicit LinearField(ReconstructionInput& input) : LocatedField(std::move(input.volume), std::move(input.values)) {
+  explicit LinearField(ReconstructionInput& input)
+      : LocatedField(std::move(input.volume), std::move(input.values)), higher_(volume()) {
     if (volume().in_cells && !volume().lattice) between_cells_.emplace(volume(), samples());
   }
 
@@ -114,8 +116,9 @@ class LinearField final : public detail::LocatedField {
     if (!wanted.inside.empty()) wanted.inside[i] = location.inside;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
-    if (location.inside && !between_cells_ && !wanted.values.empty() && n == 3) return three_at(i, x, location, wanted);
-    if (location.inside && wanted.gradients.empty() && !between_cells_) {
+    const bool in_corners = !between_cells_ && !higher_.has(location.cell);
+    if (location.inside && in_corners && !wanted.values.empty() && n == 3) return three_at(i, x, location, wanted);
+    if (location.inside && in_corners && wanted.gradients.empty()) {
       double* const v = wanted.values.data() + i * n;
       std::fill_n(v, n, 0.0);
       for (std::size_t c = 0; c < location.corner_count; ++c) {
@@ -150,6 +153,13 @@ class LinearField final : public detail::LocatedField {
     }
     if (between_cells_) {
       between_cells_->evaluate(location, at, v, g);
+    } else if (!in_corners) {
+      static thread_local NodeWeights nodes;
+      higher_.find(location, at, !g.empty(), nodes);
+      for (std::size_t k = 0; k < n; ++k) {
+        v[k] = nodes.value(samples(), k);
+        if (!g.empty()) g[k] = nodes.gradient(samples(), k);
+      }
     } else {
       std::fill(v.begin(), v.end(), 0.0);
       for (std::size_t c = 0; c < location.corner_count; ++c) {
@@ -201,6 +211,7 @@ class LinearField final : public detail::LocatedField {
   }
 
   std::optional<CellInterpolant> between_cells_;
+  HigherOrderFunctions higher_;
 };
 
 class NearestField final : public detail::LocatedField {
@@ -257,7 +268,8 @@ constexpr VolumeMethod kLinearMethods[] = {
      .make = make_nearest_field,
      .plain = true},
     {.name = "linear",
-     .summary = "interpolation in the grid's cells: trilinear in hexahedra, barycentric in tetrahedra",
+     .summary = "interpolation in the grid's cells: trilinear in hexahedra, barycentric in tetrahedra, by their own "
+                "functions in cells of higher order",
      .grids = "all",
      .make = make_linear_field,
      .plain = true}};

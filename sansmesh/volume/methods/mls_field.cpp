@@ -12,6 +12,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cells/cell_geometry.h"
 #include "sansmesh/volume/cells/cell_numbers.h"
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/kernels/mls_kernels.h"
 #include "sansmesh/volume/methods/cell_interpolant.h"
 #include "sansmesh/volume/methods/grouped_field.h"
@@ -86,7 +87,8 @@ class MlsField final : public GroupedField {
         metrics_(std::move(metrics)),
         radii_(std::move(radii)),
         index_(volume(), metrics_, radii_),
-        degree_(degree) {}
+        degree_(degree),
+        higher_(volume()) {}
 
   /// Computes the residuals f_i − M f(x_i), which linear interpolation adds where samples are cell corners, and the
   /// share of the correction of linear interpolation by M f that does not increase errors. `local`: polynomials of
@@ -122,6 +124,7 @@ class MlsField final : public GroupedField {
     std::vector<MlsSample> samples;
     MlsTile tile;
     std::array<Flat, kMostPoints> flat;
+    std::array<NodeWeights, 8> nodes;
   };
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
@@ -203,6 +206,12 @@ class MlsField final : public GroupedField {
         for (std::size_t v = 0; v < count; ++v) x[p] += corner_position(volume(), location.corners[v]) * weights[p][v];
       }
       const Vec3 origin = gather(location, lists);
+      const bool own = higher_.has(location.cell);
+      for (std::size_t p = 0; own && p < count; ++p) {
+        CellLocation there = location;
+        there.weights = weights[p];
+        higher_.find(there, x[p], false, lists.nodes[p]);
+      }
       for (std::size_t m = 0; m < c; ++m) {
         const double base = solve(
             lists, origin, m, count, [&](std::size_t i) { return x[i]; }, false);
@@ -220,6 +229,7 @@ class MlsField final : public GroupedField {
               fitted += weights[p][v] * residuals_[i * c + m];
               add(i, weights[p][v]);
             }
+            if (own) flat = lists.nodes[p].value(values_, m);
           } else {
             Flat& all = lists.flat[0];
             all.values.resize(c);
@@ -272,7 +282,8 @@ class MlsField final : public GroupedField {
     const std::size_t n = group.size, c = components();
     const bool gradient = !wanted.gradients.empty();
     const Vec3 origin = gather(group.cell, lists);
-    for (std::size_t i = 0; i < n; ++i) interpolate(*group.locations[i], group.x[i], gradient, lists.flat[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      interpolate(*group.locations[i], group.x[i], gradient, lists.flat[i], lists.nodes[0]);
     for (std::size_t m = 0; m < c; ++m) {
       const double base = solve(
           lists, origin, m, n, [&](std::size_t i) { return group.x[i]; }, gradient);
@@ -308,7 +319,7 @@ class MlsField final : public GroupedField {
   }
 
   // L and the share at a point.
-  void interpolate(const CellLocation& location, const Vec3& x, bool gradient, Flat& flat) const {
+  void interpolate(const CellLocation& location, const Vec3& x, bool gradient, Flat& flat, NodeWeights& nodes) const {
     const std::size_t c = components();
     flat.values.assign(c, 0.0), flat.slopes.assign(gradient ? c : 0, Vec3{});
     flat.share = 0, flat.share_slope = {};
@@ -332,6 +343,11 @@ class MlsField final : public GroupedField {
           if (shared) flat.share_slope += slopes[v] * shares_.values[i];
         }
       }
+      if (higher_.find(location, x, gradient, nodes))
+        for (std::size_t m = 0; m < c; ++m) {
+          flat.values[m] = nodes.value(values_, m);
+          if (gradient) flat.slopes[m] = nodes.gradient(values_, m);
+        }
     }
     if (!shared) flat.share = 1;
     // In outer half cells, and at corners of cell data, the share may leave the range of the samples.
@@ -346,6 +362,7 @@ class MlsField final : public GroupedField {
   std::vector<double> residuals_;
   VolumeValues shares_;  // one component per sample
   std::optional<CellInterpolant> flat_, flat_share_;
+  HigherOrderFunctions higher_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
+#include "sansmesh/volume/cells/higher_order_functions.h"
 #include "sansmesh/volume/methods/cell_agreement.h"
 #include "sansmesh/volume/samples/sample_set.h"
 #include "sansmesh/volume/samples/sample_stencil.h"
@@ -218,8 +219,11 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
     return p.constants[i * c + m] + value_at(p.of(i, m), p.metric(volume, i)(x - volume.position(i)));
   };
   const CellAgreement agreement = in_cells ? CellAgreement(volume, values, at, split) : CellAgreement();
+  const HigherOrderFunctions higher(volume);
+  const Adjacency cells = higher.empty() ? Adjacency() : cells_of_samples(volume);
   parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> star;
+    NodeWeights nodes;
     EdgeSupport support(volume);
     for (std::size_t i = begin; i < end; ++i) {
       volume.star(i, star);
@@ -230,11 +234,13 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
       for (const std::uint32_t j : star) {
         const Vec3 d = (volume.position(j) - x) * 0.5;
         const double unknown = support.doubt(j, metric(d) * 2.0);
+        const bool of_cell = !higher.empty() && higher.at_edge(cells[i], static_cast<std::uint32_t>(i), j, nodes);
         for (std::size_t m = 0; m < c; ++m) {
           const double own = p.constants[i * c + m] + value_at(p.of(i, m), metric(d));
           const double other = p.constants[j * c + m] + value_at(p.of(j, m), p.metric(volume, j)(-d));
           const double fi = values.values[i * c + m], fj = values.values[j * c + m];
-          const double a = 0.5 * (own + other) - 0.5 * (fi + fj), b = 0.5 * (own - other);
+          const double flat = of_cell ? nodes.value(values, m) : 0.5 * (fi + fj);
+          const double a = 0.5 * (own + other) - flat, b = 0.5 * (own - other);
           // Polynomials on both sides of a step disagree without being doubtful.
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
