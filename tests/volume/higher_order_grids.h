@@ -23,8 +23,6 @@ struct HigherOrderGrid {
   bool straight = true;  ///< the map moves only corners; other nodes follow
 };
 
-namespace detail {
-
 using LatticeIndex = std::array<std::size_t, 3>;
 
 class HigherOrderMaker {
@@ -205,10 +203,8 @@ class HigherOrderMaker {
   std::map<LatticeIndex, std::uint32_t> numbers_;
 };
 
-}  // namespace detail
-
 inline GridData higher_order_grid(const HigherOrderGrid& grid, const VolumeFunction& f) {
-  return one_block(detail::HigherOrderMaker(grid).make(), f);
+  return one_block(HigherOrderMaker(grid).make(), f);
 }
 
 /// The same nodes and pieces as linear cells.

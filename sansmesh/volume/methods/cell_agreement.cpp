@@ -47,8 +47,10 @@ void CellAgreement::ask_middles(const VolumeValues& values, const Polynomials& p
       }
       if (own) flat = nodes.value(values, m) - base;
       for (std::size_t v = 0; v < corners.size(); ++v) {
-        shares[v].gain += (mean - flat) * (mean - flat);
-        shares[v].doubt += (at[v] - mean) * (at[v] - mean);
+        const double doubt = (at[v] - mean) * (at[v] - mean);
+        const double alone = at[v] - flat, others = mean + (mean - at[v]) / (n - 1) - flat;
+        shares[v].doubt += own ? std::min(doubt, alone * alone) : doubt;
+        shares[v].gain += own ? agreed_square(alone, others) : (mean - flat) * (mean - flat);
       }
     }
   });

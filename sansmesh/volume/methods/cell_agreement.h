@@ -1,6 +1,8 @@
 // Agreement of sample polynomials inside cells, which determines their trust.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -12,6 +14,14 @@
 #include "sansmesh/volume/grid/volume_values.h"
 
 namespace sansmesh::inline v1 {
+
+/// The square of the smaller of two corrections of one sign, else 0. In cells of higher order their functions are a
+/// third opinion: a polynomial that is wrong by itself gains nothing, and does not gain trust for its neighbours.
+inline double agreed_square(double a, double b) {
+  if (a * b <= 0) return 0;
+  const double least = std::min(std::abs(a), std::abs(b));
+  return least * least;
+}
 
 /// Compares polynomials at the points farthest from the samples: the centres of cells whose corners are samples, or the
 /// corners of cells that contain samples. It measures by how much the mean of the polynomials corrects linear

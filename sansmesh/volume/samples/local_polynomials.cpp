@@ -71,6 +71,7 @@ constexpr double kCoarse = 0.25;
 /// Corrections and disagreements up to this share of the largest difference to a neighbour, or of the largest value,
 /// are rounding errors: coefficients are floats, values come from sums. Such disagreement is no doubt.
 constexpr double kRoundedDifference = 1e-6, kRoundedValue = 1e-13;
+constexpr double kClearlyKnown = 1e4;   // second differences, in squares of rounding errors
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 // Corrections that change by this share (squared) with the degree, or with the terms they follow from, are unreliable:
@@ -244,12 +245,16 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           // Polynomials on both sides of a step disagree without being doubtful.
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
-          gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
-          if (!lower.empty()) unsettled += correction_changes(p, lower, volume, {i, j, m}, d, a);
-          varied += (fi - fj) * (fi - fj);
+          const double sure = of_cell ? agreed_square(own - flat, other - flat) : a * a;
+          gain += sure, open += unknown * sure;
+          doubt += kDisagreement * (of_cell ? std::min(b * b, (own - flat) * (own - flat)) : b * b);
+          if (!lower.empty() && !of_cell) unsettled += correction_changes(p, lower, volume, {i, j, m}, d, a);
           const double rounded =
               std::max(kRoundedDifference * std::abs(fi - fj), kRoundedValue * std::max(std::abs(fi), std::abs(fj)));
           rounding = std::max(rounding, rounded * rounded);
+          // In cells of higher order the second difference is known, and the correction is of higher order.
+          const double known = of_cell ? flat - 0.5 * (fi + fj) : fi - fj;
+          varied += known * known + (of_cell ? kClearlyKnown * rounded * rounded : 0);
         }
       }
       // The mean over cell centres counts as much as that over edges.
