@@ -166,8 +166,7 @@ TEST(VtkCells, ValuesAtPointsFollowShapeFunctions) {
   std::vector<Vec3> cubic = kTet;
   for (const auto& [a, b] : kTetEdges)
     for (const double t : {1.0 / 3, 2.0 / 3}) cubic.push_back(kTet[a] + (kTet[b] - kTet[a]) * t);
-  expect_reproduced("Lagrange tetrahedron 3", 71,
-                    with_centres(cubic, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 2}}), 3);
+  expect_reproduced("Lagrange tetrahedron 3", 71, with_centres(cubic, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 2}}), 3);
   const std::vector<Vec3> wedge15 = with_middles(kWedge, kWedgeEdges);
   expect_reproduced("Lagrange wedge 2", 73, with_centres(wedge15, {{0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}), 2);
 }

@@ -126,9 +126,9 @@ class HigherOrderMaker {
     for (std::size_t k = 0; k < p_; ++k)
       for (std::size_t j = 0; j < p_; ++j)
         for (std::size_t i = 0; i < p_; ++i)
-          piece(CellShape::hexahedron, std::array{at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k),
-                                                  at(i, j, k + 1), at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1),
-                                                  at(i, j + 1, k + 1)});
+          piece(CellShape::hexahedron,
+                std::array{at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1),
+                           at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
   }
 
   /// Corners cut off; the rest as pyramids and tetrahedra from one of its nodes.

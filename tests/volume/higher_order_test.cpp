@@ -29,9 +29,10 @@ std::vector<Vec3> points_in(const NodalBasis& basis, std::size_t count, unsigned
 }
 
 std::vector<HigherOrderKind> kinds() {
-  std::vector<HigherOrderKind> all{{Family::hexahedron_20}, {Family::hexahedron_24}, {Family::wedge_15},
-                                   {Family::pyramid_13},    {Family::wedge, {2, 2, 1}}, {Family::wedge, {3, 3, 4}},
-                                   {Family::hexahedron, {2, 3, 4}}};
+  std::vector<HigherOrderKind> all{
+      {Family::hexahedron_20},        {Family::hexahedron_24},    {Family::wedge_15},
+      {Family::pyramid_13},           {Family::wedge, {2, 2, 1}}, {Family::wedge, {3, 3, 4}},
+      {Family::hexahedron, {2, 3, 4}}};
   for (const std::uint8_t n : {1, 2, 3, 5})
     for (const Family f : {Family::tetrahedron, Family::wedge, Family::hexahedron}) all.push_back({f, {n, n, n}});
   return all;
@@ -92,6 +93,15 @@ std::vector<std::pair<std::string, HigherOrderGrid>> grids() {
   return all;
 }
 
+/// Without smoothing of what looks like noise.
+std::unique_ptr<VolumeField> plain_field(std::shared_ptr<const SampledVolume> volume, const std::string& method) {
+  Progress progress;
+  VolumeReconstructionOptions options;
+  options.method = method;
+  options.smoothing = 0;
+  return reconstruct_volume(std::move(volume), "f", options, progress);
+}
+
 /// Rough values reveal a point in the wrong cell.
 double rough(const Vec3& x) { return std::sin(1e3 * x.x) + std::cos(3e3 * x.y) * std::sin(2e3 * x.z); }
 
@@ -99,7 +109,7 @@ TEST(HigherOrder, LinearIsTheFilesOwnFunction) {
   for (const auto& [name, grid] : grids()) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(higher_order_grid(grid, rough));
-    const auto field = field_of(volume, "linear");
+    const auto field = plain_field(volume, "linear");
     const HigherOrderCells& higher = volume->higher;
     ASSERT_EQ(higher.size(), (grid.family == Family::tetrahedron ? 6u : 1u) * 27u);
     const NodalBasis basis(higher.kinds[0]);
@@ -167,7 +177,7 @@ TEST(HigherOrder, ContinuousAcrossCurvedFaces) {
   for (const auto& [name, grid] : grids()) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(higher_order_grid(grid, rough));
-    const auto field = field_of(volume, "linear");
+    const auto field = plain_field(volume, "linear");
     // Along lines through the middle; jumps of rough data would be of order 1.
     std::vector<Vec3> x;
     constexpr std::size_t kSteps = 20000;
@@ -204,12 +214,46 @@ TEST(HigherOrder, CellsWithHiddenOrMergedNodesStayPieces) {
   EXPECT_THROW(volume_of(data), DataError);
 }
 
+TEST(HigherOrder, PolynomialsAreHardlyEverWorseThanTheCells) {
+  const auto f = [](const Vec3& x) {
+    return std::sin(7 * x.x + 2 * x.y) + 0.5 * std::cos(6 * x.y - 5 * x.z) * (1 + x.z);
+  };
+  for (const auto& [family, n] : {std::pair{Family::tetrahedron, std::size_t{4}},
+                                  {Family::tetrahedron, std::size_t{8}},
+                                  {Family::hexahedron_20, std::size_t{5}},
+                                  {Family::hexahedron, std::size_t{5}}}) {
+    SCOPED_TRACE(static_cast<int>(family) * 100 + static_cast<int>(n));
+    const GridData data = higher_order_grid({family, n, 2, slightly_bent, false}, f);
+    const auto volume = volume_of(data), pieces = volume_of(without_higher_order(data));
+    const auto x = points_within(*volume, 20000);
+    const Errors own = errors_of(*plain_field(volume, "linear"), x, f);
+    const Errors linear = errors_of(*plain_field(pieces, "linear"), x, f);
+    const Errors blended = errors_of(*plain_field(volume, "mls-detail"), x, f);
+    EXPECT_LT(own.mean, linear.mean / 3);
+    EXPECT_LT(blended.mean, 0.9 * own.mean);
+    EXPECT_LT(blended.most, 1.1 * own.most);
+  }
+}
+
+TEST(HigherOrder, ErrorsFallWithTheThirdPowerOfTheStep) {
+  const auto f = [](const Vec3& x) { return std::sin(3 * x.x + x.y) * std::cos(2 * x.z - x.y); };
+  for (const Family family : {Family::tetrahedron, Family::hexahedron, Family::hexahedron_20}) {
+    double before = 0;
+    for (const std::size_t n : {4u, 8u}) {
+      const auto volume = volume_of(higher_order_grid({family, n, 2, slightly_bent}, f));
+      const double error = errors_of(*plain_field(volume, "linear"), points_within(*volume, 5000), f).mean;
+      if (before > 0) EXPECT_GT(before / error, 6);  // linear interpolation: 4
+      before = error;
+    }
+  }
+}
+
 TEST(HigherOrder, DoesNotDependOnThreads) {
   const auto volume = volume_of(higher_order_grid({Family::hexahedron, 3, 2, slightly_bent, false}, rough));
   const auto x = points_within(*volume, 2000);
   expect_equal_for_any_threads([&] {
     std::vector<double> values(x.size());
-    field_of(volume, "mls-detail")->evaluate(x, {values});
+    plain_field(volume, "mls-detail")->evaluate(x, {values});
     return values;
   });
 }

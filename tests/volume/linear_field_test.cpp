@@ -80,6 +80,7 @@ TEST(LinearField, StaysWithinTheRangeOfSamplesAtCorners) {
     if (grid.association == Association::cells) continue;
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data);
+    if (!volume->higher.empty()) continue;  // quadratic functions leave it
     const auto x = points_within(*volume, 1000);
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});

@@ -97,6 +97,30 @@ void evaluate_hexahedron(const std::array<std::uint8_t, 3>& n, const Vec3& u, st
       }
 }
 
+/// The general evaluation takes four times as long, in the most frequent of these cells.
+void evaluate_hexahedron_20(std::span<const Vec3> nodes, const Vec3& u, std::span<double> values,
+                            std::span<Vec3> slopes) {
+  const Vec3 x = u * 2.0 - Vec3{1, 1, 1};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Vec3 side = nodes[i] * 2.0 - Vec3{1, 1, 1};  // −1 or 1; 0 along the edge of a node
+    const Vec3 f{1 + x.x * side.x, 1 + x.y * side.y, 1 + x.z * side.z};
+    if (i < 8) {
+      const double rest = f.x + f.y + f.z - 5;
+      values[i] = 0.125 * f.x * f.y * f.z * rest;
+      if (!slopes.empty())
+        slopes[i] = {0.25 * side.x * f.y * f.z * (rest + f.x), 0.25 * side.y * f.x * f.z * (rest + f.y),
+                     0.25 * side.z * f.x * f.y * (rest + f.z)};
+      continue;
+    }
+    const std::size_t along = side.x == 0 ? 0 : side.y == 0 ? 1 : 2, a = (along + 1) % 3, b = (along + 2) % 3;
+    const double bubble = 1 - x[along] * x[along];
+    values[i] = 0.25 * bubble * f[a] * f[b];
+    if (slopes.empty()) continue;
+    slopes[i][along] = -x[along] * f[a] * f[b];
+    slopes[i][a] = 0.5 * bubble * side[a] * f[b], slopes[i][b] = 0.5 * bubble * side[b] * f[a];
+  }
+}
+
 std::vector<Vec3> corners_of_family(HigherOrderFamily family) {
   if (family == HigherOrderFamily::pyramid_13)
     return {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}, {0, 0, 1}};
@@ -157,16 +181,13 @@ void NodalBasis::place_nodes() {
 
 std::vector<NodalBasis::Term> NodalBasis::terms_of(HigherOrderFamily family) {
   std::vector<Term> terms;
-  const auto squares = [](int a, int b) { return (a > 1 ? 2 : 0) + (b > 1 ? 2 : 0); };
   switch (family) {
-    case HigherOrderFamily::hexahedron_20:
     case HigherOrderFamily::hexahedron_24:
-      // At most one variable is squared; or in r and s only, times any power of t.
+      // At most one of r and s is squared; times any power of t.
       for (int c = 0; c < 3; ++c)
         for (int b = 0; b < 3; ++b)
           for (int a = 0; a < 3; ++a)
-            if (squares(a, b) + (family == HigherOrderFamily::hexahedron_20 && c > 1 ? 2 : 0) <= 2)
-              terms.push_back({a, b, c, false});
+            if (a + b < 4) terms.push_back({a, b, c, false});
       break;
     case HigherOrderFamily::wedge_15:
       for (int c = 0; c < 3; ++c)
@@ -225,6 +246,8 @@ void NodalBasis::evaluate(const Vec3& u, std::span<double> values, std::span<Vec
       return evaluate_wedge(kind_.orders[0], kind_.orders[2], u, values, slopes);
     case HigherOrderFamily::hexahedron:
       return evaluate_hexahedron(kind_.orders, u, values, slopes);
+    case HigherOrderFamily::hexahedron_20:
+      return evaluate_hexahedron_20(nodes_, u, values, slopes);
     default:
       break;
   }

@@ -71,7 +71,7 @@ constexpr double kCoarse = 0.25;
 /// Corrections and disagreements up to this share of the largest difference to a neighbour, or of the largest value,
 /// are rounding errors: coefficients are floats, values come from sums. Such disagreement is no doubt.
 constexpr double kRoundedDifference = 1e-6, kRoundedValue = 1e-13;
-constexpr double kClearlyKnown = 1e4;   // second differences, in squares of rounding errors
+constexpr double kClearlyKnown = 1e4;  // second differences, in squares of rounding errors
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 // Corrections that change by this share (squared) with the degree, or with the terms they follow from, are unreliable:
