@@ -47,7 +47,7 @@ inline std::vector<NamedGrid> all_grids(const VolumeFunction& f) {
   for (std::size_t i = 0; i < block_point_count(points); ++i) cospherical.points.push_back(block_point(points, i));
   all.push_back({"scattered lattice", one_block(cospherical, f)});
   all.push_back({"quadratic tetrahedra", higher_order_grid({HigherOrderFamily::tetrahedron, 3, 2, bend}, f)});
-  all.push_back({"curved hexahedra", higher_order_grid({HigherOrderFamily::hexahedron, 3, 2, bend, false}, f)});
+  all.push_back({"bent quadratic hexahedra", higher_order_grid({HigherOrderFamily::hexahedron, 3, 2, bend, false}, f)});
   for (auto& [name, data] : grids)
     for (const Association a : {Association::points, Association::cells})
       all.push_back({name + (a == Association::cells ? ", cells" : ""), data, a});

@@ -1,5 +1,5 @@
-// Cells of higher order: pieces between their nodes, and the nodes in this library's order.
-#include <vtkCellType.h>
+#include "sansmesh/io/vtk/higher_order_cells.h"
+
 #include <vtkHigherOrderHexahedron.h>
 #include <vtkHigherOrderTetra.h>
 #include <vtkHigherOrderWedge.h>
@@ -8,8 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sansmesh/io/vtk/linear_cells.h"
-
 namespace sansmesh::inline v1::io {
 namespace {
 
@@ -17,9 +15,38 @@ namespace {
 constexpr std::uint8_t kThreeByThree[27] = {0,  8,  1,  11, 24, 9,  3, 10, 2,  16, 22, 17, 20, 26,
                                             21, 19, 23, 18, 4,  12, 5, 15, 25, 13, 7,  14, 6};
 
+constexpr std::uint32_t kNoApex = 0xffffffffu;
+
 }  // namespace
 
-void LinearCells::keep(HigherOrderFamily family, std::array<std::size_t, 3> orders, std::vector<std::uint32_t> nodes) {
+void CellPieces::piece(CellShape shape, std::initializer_list<std::uint32_t> nodes) {
+  cells.add(shape, {nodes.begin(), nodes.size()});
+  rows.push_back(row_);
+}
+
+bool CellPieces::comes_first(std::uint32_t a, std::uint32_t b) const {
+  const Vec3 &x = points_[a], &y = points_[b];
+  return x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z != y.z ? x.z < y.z : a < b;
+}
+
+void CellPieces::cone(std::span<const std::vector<std::uint32_t>> faces) {
+  const auto before = [this](std::uint32_t a, std::uint32_t b) { return comes_first(a, b); };
+  std::uint32_t apex = kNoApex;
+  for (const auto& face : faces) {
+    for (const std::uint32_t v : face) {
+      if (apex == kNoApex || before(v, apex)) apex = v;
+    }
+  }
+  for (const auto& face : faces) {
+    if (face.size() < 3 || std::find(face.begin(), face.end(), apex) != face.end()) continue;
+    const std::size_t first =
+        static_cast<std::size_t>(std::min_element(face.begin(), face.end(), before) - face.begin());
+    const auto at = [&](std::size_t k) { return face[(first + k) % face.size()]; };
+    for (std::size_t k = 2; k < face.size(); ++k) piece(CellShape::tetrahedron, {at(0), at(k), at(k - 1), apex});
+  }
+}
+
+void CellPieces::keep(HigherOrderFamily family, std::array<std::size_t, 3> orders, std::vector<std::uint32_t> nodes) {
   HigherOrderKind kind{family};
   bool linear = true;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -32,7 +59,7 @@ void LinearCells::keep(HigherOrderFamily family, std::array<std::size_t, 3> orde
 }
 
 template <class At>
-void LinearCells::lattice(std::array<std::size_t, 3> n, const At& at) {
+void CellPieces::lattice(std::array<std::size_t, 3> n, const At& at) {
   std::vector<std::uint32_t> nodes;
   for (std::size_t k = 0; k <= n[2]; ++k) {
     for (std::size_t j = 0; j <= n[1]; ++j) {
@@ -54,7 +81,7 @@ void LinearCells::lattice(std::array<std::size_t, 3> n, const At& at) {
 /// A cell at each lattice point: a tetrahedron like the whole, the octahedron beyond it, and the tetrahedron after
 /// that.
 template <class At>
-void LinearCells::simplex(std::size_t n, const At& at) {
+void CellPieces::simplex(std::size_t n, const At& at) {
   std::vector<std::uint32_t> nodes;
   for (std::size_t k = 0; k <= n; ++k) {
     for (std::size_t j = 0; j + k <= n; ++j) {
@@ -79,7 +106,7 @@ void LinearCells::simplex(std::size_t n, const At& at) {
   }
 }
 
-void LinearCells::octahedron(const std::array<std::uint32_t, 6>& p) {
+void CellPieces::octahedron(const std::array<std::uint32_t, 6>& p) {
   const std::vector<std::uint32_t> faces[] = {{p[0], p[2], p[1]}, {p[3], p[5], p[4]}, {p[0], p[1], p[3]},
                                               {p[0], p[4], p[2]}, {p[1], p[2], p[5]}, {p[0], p[3], p[4]},
                                               {p[1], p[5], p[3]}, {p[2], p[4], p[5]}};
@@ -87,7 +114,7 @@ void LinearCells::octahedron(const std::array<std::uint32_t, 6>& p) {
 }
 
 template <class At>
-void LinearCells::prism(std::size_t n, std::size_t layers, const At& at) {
+void CellPieces::prism(std::size_t n, std::size_t layers, const At& at) {
   std::vector<std::uint32_t> nodes;
   for (std::size_t k = 0; k <= layers; ++k) {
     for (std::size_t j = 0; j <= n; ++j) {
@@ -110,7 +137,7 @@ void LinearCells::prism(std::size_t n, std::size_t layers, const At& at) {
 }
 
 /// Between two layers of nodes: a wedge at each corner, and a hexahedron between the nodes of the edges.
-void LinearCells::add_hexahedron_24(std::span<const std::uint32_t> p) {
+void CellPieces::add_hexahedron_24(std::span<const std::uint32_t> p) {
   keep(HigherOrderFamily::hexahedron_24, {2, 2, 2}, {p.begin(), p.begin() + 24});
   constexpr std::uint8_t corner[3][4] = {{0, 1, 2, 3}, {16, 17, 18, 19}, {4, 5, 6, 7}};
   constexpr std::uint8_t edge[3][4] = {{8, 9, 10, 11}, {22, 21, 23, 20}, {12, 13, 14, 15}};
@@ -124,64 +151,33 @@ void LinearCells::add_hexahedron_24(std::span<const std::uint32_t> p) {
   }
 }
 
-bool LinearCells::add_quadratic_solid(int type, std::span<const std::uint32_t> p) {
-  const auto at_least = [&](std::size_t n) { return p.size() >= n; };
-  // Rows of three, two and one nodes of triangles.
-  const auto in_rows = [](std::size_t i, std::size_t j) { return i + (j == 0 ? 0u : j == 1 ? 3u : 5u); };
-  switch (type) {
-    case VTK_QUADRATIC_TETRA: {
-      if (!at_least(10)) return false;
-      constexpr std::uint8_t order[3][6] = {{0, 4, 1, 6, 5, 2}, {7, 8, 9}, {3}};
-      const auto row = [](std::size_t i, std::size_t j, std::size_t k) {
-        return i + (j == 0 ? 0 : j == 1 ? 3 - k : 5);
-      };
-      simplex(2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[order[k][row(i, j, k)]]; });
-      return true;
-    }
-    case VTK_QUADRATIC_PYRAMID:
-    case 37:  // VTK_TRIQUADRATIC_PYRAMID, which older versions lack
-      if (type != 37 && at_least(13)) keep(HigherOrderFamily::pyramid_13, {2, 2, 2}, {p.begin(), p.begin() + 13});
-      return add_quadratic(CellShape::pyramid, p);
-    case VTK_QUADRATIC_WEDGE:
-      if (at_least(15)) keep(HigherOrderFamily::wedge_15, {2, 2, 2}, {p.begin(), p.begin() + 15});
-      return add_quadratic(CellShape::wedge, p);
-    case VTK_QUADRATIC_HEXAHEDRON:
-      if (at_least(20)) keep(HigherOrderFamily::hexahedron_20, {2, 2, 2}, {p.begin(), p.begin() + 20});
-      return add_quadratic(CellShape::hexahedron, p);
-    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
-      if (at_least(24)) add_hexahedron_24(p);
-      return at_least(24);
-    case VTK_TRIQUADRATIC_HEXAHEDRON: {
-      if (!at_least(27)) return false;
-      lattice({2, 2, 2},
-              [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; });
-      return true;
-    }
-    case VTK_QUADRATIC_LINEAR_WEDGE: {
-      if (!at_least(12)) return false;
-      constexpr std::uint8_t layer[2][6] = {{0, 6, 1, 8, 7, 2}, {3, 9, 4, 11, 10, 5}};
-      prism(2, 1, [&](std::size_t i, std::size_t j, std::size_t k) { return p[layer[k][in_rows(i, j)]]; });
-      return true;
-    }
-    case VTK_BIQUADRATIC_QUADRATIC_WEDGE: {
-      if (!at_least(18)) return false;
-      constexpr std::uint8_t layer[3][6] = {{0, 6, 1, 8, 7, 2}, {12, 15, 13, 17, 16, 14}, {3, 9, 4, 11, 10, 5}};
-      prism(2, 2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[layer[k][in_rows(i, j)]]; });
-      return true;
-    }
-    default:
-      return add_higher_order(type, p);
-  }
+void CellPieces::add_tetrahedron_10(std::span<const std::uint32_t> p) {
+  constexpr std::uint8_t order[3][6] = {{0, 4, 1, 6, 5, 2}, {7, 8, 9}, {3}};
+  const auto row = [](std::size_t i, std::size_t j, std::size_t k) { return i + (j == 0 ? 0 : j == 1 ? 3 - k : 5); };
+  simplex(2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[order[k][row(i, j, k)]]; });
 }
 
-bool LinearCells::add_lagrange_hexahedron(std::span<const std::uint32_t> p) {
+void CellPieces::add_hexahedron_27(std::span<const std::uint32_t> p) {
+  lattice({2, 2, 2}, [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; });
+}
+
+/// Wedges of 12 or 18 nodes: layers of rows of three, two and one.
+void CellPieces::add_wedge(std::span<const std::uint32_t> p) {
+  constexpr std::uint8_t layers[3][6] = {{0, 6, 1, 8, 7, 2}, {12, 15, 13, 17, 16, 14}, {3, 9, 4, 11, 10, 5}};
+  const bool all = p.size() >= 18;
+  prism(2, all ? 2 : 1, [&](std::size_t i, std::size_t j, std::size_t k) {
+    return p[layers[all ? k : 2 * k][i + (j == 0 ? 0 : j == 1 ? 3 : 5)]];
+  });
+}
+
+bool CellPieces::add_lagrange_hexahedron(std::span<const std::uint32_t> p, const std::array<int, 3>& degrees) {
   std::array<std::size_t, 3> n{};
-  for (std::size_t k = 0; k < 3; ++k) n[k] = static_cast<std::size_t>(std::max(degrees_[k], 0));
+  for (std::size_t k = 0; k < 3; ++k) n[k] = static_cast<std::size_t>(std::max(degrees[k], 0));
   const auto fits = [&] {
     return n[0] > 0 && n[1] > 0 && n[2] > 0 && (n[0] + 1) * (n[1] + 1) * (n[2] + 1) == p.size();
   };
   if (!fits()) n.fill(static_cast<std::size_t>(std::lround(std::cbrt(static_cast<double>(p.size())))) - 1);
-  if (p.empty() || !fits()) return add_solid(VTK_HEXAHEDRON, p);
+  if (p.empty() || !fits()) return false;
   const int orders[3] = {static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(n[2])};
   lattice(n, [&](std::size_t i, std::size_t j, std::size_t k) {
     return p[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(
@@ -190,10 +186,10 @@ bool LinearCells::add_lagrange_hexahedron(std::span<const std::uint32_t> p) {
   return true;
 }
 
-bool LinearCells::add_lagrange_tetrahedron(std::span<const std::uint32_t> p) {
+bool CellPieces::add_lagrange_tetrahedron(std::span<const std::uint32_t> p) {
   std::size_t n = 1;
   while ((n + 1) * (n + 2) * (n + 3) / 6 < p.size()) ++n;
-  if ((n + 1) * (n + 2) * (n + 3) / 6 != p.size()) return add_solid(VTK_TETRA, p);
+  if ((n + 1) * (n + 2) * (n + 3) / 6 != p.size()) return false;
   simplex(n, [&](std::size_t i, std::size_t j, std::size_t k) {
     const vtkIdType at[4] = {static_cast<vtkIdType>(i), static_cast<vtkIdType>(j), static_cast<vtkIdType>(k),
                              static_cast<vtkIdType>(n - i - j - k)};
@@ -202,15 +198,15 @@ bool LinearCells::add_lagrange_tetrahedron(std::span<const std::uint32_t> p) {
   return true;
 }
 
-bool LinearCells::add_lagrange_wedge(std::span<const std::uint32_t> p) {
+bool CellPieces::add_lagrange_wedge(std::span<const std::uint32_t> p, const std::array<int, 3>& degrees) {
   const auto count = [](std::size_t n, std::size_t layers) { return (n + 1) * (n + 2) / 2 * (layers + 1); };
-  std::size_t n = static_cast<std::size_t>(std::max(degrees_[0], 0)),
-              layers = static_cast<std::size_t>(std::max(degrees_[2], 0));
+  std::size_t n = static_cast<std::size_t>(std::max(degrees[0], 0)),
+              layers = static_cast<std::size_t>(std::max(degrees[2], 0));
   if (n == 0 || layers == 0 || count(n, layers) != p.size()) {
     for (n = 1; count(n, n) < p.size();) ++n;
     layers = n;
   }
-  if (count(n, layers) != p.size()) return add_solid(VTK_WEDGE, p);
+  if (count(n, layers) != p.size()) return false;
   const int orders[4] = {static_cast<int>(n), static_cast<int>(n), static_cast<int>(layers),
                          static_cast<int>(p.size())};
   prism(n, layers, [&](std::size_t i, std::size_t j, std::size_t k) {
@@ -218,33 +214,6 @@ bool LinearCells::add_lagrange_wedge(std::span<const std::uint32_t> p) {
         vtkHigherOrderWedge::PointIndexFromIJK(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k), orders))];
   });
   return true;
-}
-
-/// Only the corners of other cells of higher order are used.
-bool LinearCells::add_higher_order(int type, std::span<const std::uint32_t> p) {
-  switch (type) {
-    case VTK_LAGRANGE_HEXAHEDRON:
-      return add_lagrange_hexahedron(p);
-    case VTK_LAGRANGE_TETRAHEDRON:
-      return add_lagrange_tetrahedron(p);
-    case VTK_LAGRANGE_WEDGE:
-      return add_lagrange_wedge(p);
-    case VTK_BEZIER_HEXAHEDRON:
-    case VTK_HIGHER_ORDER_HEXAHEDRON:
-      return add_solid(VTK_HEXAHEDRON, p);
-    case VTK_BEZIER_TETRAHEDRON:
-    case VTK_HIGHER_ORDER_TETRAHEDRON:
-      return add_solid(VTK_TETRA, p);
-    case VTK_BEZIER_WEDGE:
-    case VTK_HIGHER_ORDER_WEDGE:
-      return add_solid(VTK_WEDGE, p);
-    case VTK_LAGRANGE_PYRAMID:
-    case VTK_BEZIER_PYRAMID:
-    case VTK_HIGHER_ORDER_PYRAMID:
-      return add_solid(VTK_PYRAMID, p);
-    default:
-      return false;
-  }
 }
 
 }  // namespace sansmesh::inline v1::io

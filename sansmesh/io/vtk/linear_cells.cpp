@@ -66,11 +66,6 @@ const char* kind_of_corners(int type) {
 
 }  // namespace
 
-void LinearCells::piece(CellShape shape, std::initializer_list<std::uint32_t> nodes) {
-  cells.add(shape, {nodes.begin(), nodes.size()});
-  rows.push_back(row_);
-}
-
 void LinearCells::flat(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   flat_cells.push_back({a, b, c, d});
   flat_rows.push_back(row_);
@@ -79,28 +74,6 @@ void LinearCells::flat(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::u
 void LinearCells::fan(std::span<const std::uint32_t> ring) {
   if (ring.size() == 4) return flat(ring[0], ring[1], ring[2], ring[3]);
   for (std::size_t k = 2; k < ring.size(); ++k) flat(ring[0], ring[k - 1], ring[k], kNoCorner);
-}
-
-bool LinearCells::comes_first(std::uint32_t a, std::uint32_t b) const {
-  const Vec3 &x = points_[a], &y = points_[b];
-  return x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z != y.z ? x.z < y.z : a < b;
-}
-
-void LinearCells::cone(std::span<const std::vector<std::uint32_t>> faces) {
-  const auto before = [this](std::uint32_t a, std::uint32_t b) { return comes_first(a, b); };
-  std::uint32_t apex = kNoCorner;
-  for (const auto& face : faces) {
-    for (const std::uint32_t v : face) {
-      if (apex == kNoCorner || before(v, apex)) apex = v;
-    }
-  }
-  for (const auto& face : faces) {
-    if (face.size() < 3 || std::find(face.begin(), face.end(), apex) != face.end()) continue;
-    const std::size_t first =
-        static_cast<std::size_t>(std::min_element(face.begin(), face.end(), before) - face.begin());
-    const auto at = [&](std::size_t k) { return face[(first + k) % face.size()]; };
-    for (std::size_t k = 2; k < face.size(); ++k) piece(CellShape::tetrahedron, {at(0), at(k), at(k - 1), apex});
-  }
 }
 
 /// Corners are cut off at the nodes of their edges; the rest is cut into tetrahedra.
@@ -180,6 +153,66 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       return true;
     default:
       return add_quadratic_solid(type, p);
+  }
+}
+
+bool LinearCells::add_quadratic_solid(int type, std::span<const std::uint32_t> p) {
+  const auto at_least = [&](std::size_t n) { return p.size() >= n; };
+  switch (type) {
+    case VTK_QUADRATIC_TETRA:
+      if (at_least(10)) add_tetrahedron_10(p);
+      return at_least(10);
+    case VTK_QUADRATIC_PYRAMID:
+    case 37:  // VTK_TRIQUADRATIC_PYRAMID, which older versions lack
+      if (type != 37 && at_least(13)) keep(HigherOrderFamily::pyramid_13, {2, 2, 2}, {p.begin(), p.begin() + 13});
+      return add_quadratic(CellShape::pyramid, p);
+    case VTK_QUADRATIC_WEDGE:
+      if (at_least(15)) keep(HigherOrderFamily::wedge_15, {2, 2, 2}, {p.begin(), p.begin() + 15});
+      return add_quadratic(CellShape::wedge, p);
+    case VTK_QUADRATIC_HEXAHEDRON:
+      if (at_least(20)) keep(HigherOrderFamily::hexahedron_20, {2, 2, 2}, {p.begin(), p.begin() + 20});
+      return add_quadratic(CellShape::hexahedron, p);
+    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
+      if (at_least(24)) add_hexahedron_24(p);
+      return at_least(24);
+    case VTK_TRIQUADRATIC_HEXAHEDRON:
+      if (at_least(27)) add_hexahedron_27(p);
+      return at_least(27);
+    case VTK_QUADRATIC_LINEAR_WEDGE:
+      if (at_least(12)) add_wedge(p.first(12));
+      return at_least(12);
+    case VTK_BIQUADRATIC_QUADRATIC_WEDGE:
+      if (at_least(18)) add_wedge(p);
+      return at_least(18);
+    default:
+      return add_higher_order(type, p);
+  }
+}
+
+/// Only the corners of other cells of higher order are used.
+bool LinearCells::add_higher_order(int type, std::span<const std::uint32_t> p) {
+  switch (type) {
+    case VTK_LAGRANGE_HEXAHEDRON:
+      return add_lagrange_hexahedron(p, degrees_) || add_solid(VTK_HEXAHEDRON, p);
+    case VTK_LAGRANGE_TETRAHEDRON:
+      return add_lagrange_tetrahedron(p) || add_solid(VTK_TETRA, p);
+    case VTK_LAGRANGE_WEDGE:
+      return add_lagrange_wedge(p, degrees_) || add_solid(VTK_WEDGE, p);
+    case VTK_BEZIER_HEXAHEDRON:
+    case VTK_HIGHER_ORDER_HEXAHEDRON:
+      return add_solid(VTK_HEXAHEDRON, p);
+    case VTK_BEZIER_TETRAHEDRON:
+    case VTK_HIGHER_ORDER_TETRAHEDRON:
+      return add_solid(VTK_TETRA, p);
+    case VTK_BEZIER_WEDGE:
+    case VTK_HIGHER_ORDER_WEDGE:
+      return add_solid(VTK_WEDGE, p);
+    case VTK_LAGRANGE_PYRAMID:
+    case VTK_BEZIER_PYRAMID:
+    case VTK_HIGHER_ORDER_PYRAMID:
+      return add_solid(VTK_PYRAMID, p);
+    default:
+      return false;
   }
 }
 

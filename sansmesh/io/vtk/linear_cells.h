@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/cell_list.h"
+#include "sansmesh/io/vtk/higher_order_cells.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::io {
@@ -20,10 +21,10 @@ namespace sansmesh::inline v1::io {
 /// tetrahedra that share the first node (by x, then y, then z, then number), and their faces triangles that share
 /// theirs. So cells with a common face are cut alike there, whatever the order of the nodes. Cells keep VTK's
 /// orientation; inverted cells stay inverted.
-class LinearCells {
+class LinearCells : public CellPieces {
  public:
   /// Positions of the nodes; must outlive this.
-  explicit LinearCells(std::span<const Vec3> points) : points_(points) {}
+  explicit LinearCells(std::span<const Vec3> points) : CellPieces(points) {}
 
   /// `type` is VTK's number of a linear, quadratic or Lagrange cell; nodes are in VTK's order. Returns false if there
   /// are fewer nodes than the type has.
@@ -38,42 +39,19 @@ class LinearCells {
   /// Notes on cells that were cut or skipped and on ignored nodes.
   std::vector<std::string> notes() const;
 
-  CellList cells;
-  HigherOrderCells higher;                               ///< `of_piece` ends with the last piece
-  std::vector<std::uint32_t> rows;                       ///< for each cell: its `row`
   std::vector<std::array<std::uint32_t, 4>> flat_cells;  ///< as in GridBlock
   std::vector<std::uint32_t> flat_rows;
   std::size_t lines = 0, vertices = 0;  ///< skipped
 
  private:
-  bool comes_first(std::uint32_t a, std::uint32_t b) const;
-  void piece(CellShape shape, std::initializer_list<std::uint32_t> nodes);
   void flat(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
   void fan(std::span<const std::uint32_t> ring);
-  void cone(std::span<const std::vector<std::uint32_t>> faces);
   bool add_quadratic(CellShape shape, std::span<const std::uint32_t> nodes);
-  /// Pieces between the nodes at(i, j, k), n[0] n[1] n[2] hexahedra, n³ tetrahedra (and more) or n² m wedges; keeps the
-  /// nodes as a cell of higher order.
-  template <class At>
-  void lattice(std::array<std::size_t, 3> n, const At& at);
-  template <class At>
-  void simplex(std::size_t n, const At& at);
-  template <class At>
-  void prism(std::size_t n, std::size_t layers, const At& at);
-  void octahedron(const std::array<std::uint32_t, 6>& nodes);
-  void add_hexahedron_24(std::span<const std::uint32_t> nodes);
-  bool add_lagrange_hexahedron(std::span<const std::uint32_t> nodes);
-  bool add_lagrange_tetrahedron(std::span<const std::uint32_t> nodes);
-  bool add_lagrange_wedge(std::span<const std::uint32_t> nodes);
-  /// The cell of higher order of the pieces that are being added.
-  void keep(HigherOrderFamily family, std::array<std::size_t, 3> orders, std::vector<std::uint32_t> nodes);
   bool add_solid(int type, std::span<const std::uint32_t> nodes);
   bool add_quadratic_solid(int type, std::span<const std::uint32_t> nodes);
   bool add_higher_order(int type, std::span<const std::uint32_t> nodes);
   bool add_flat(int type, std::span<const std::uint32_t> nodes);
 
-  std::span<const Vec3> points_;
-  std::uint32_t row_ = 0;
   std::array<int, 3> degrees_{};
   std::map<std::string, std::array<std::size_t, 2>> cut_, shaped_;  ///< by kind: cells, and pieces made of them
   std::map<std::string, std::size_t> left_out_, corners_only_;

@@ -14,7 +14,7 @@ constexpr double kBeyond = 1e-9;    // natural coordinates
 constexpr int kMostNewton = 20;
 constexpr double kSettled = 1e-7;  // last step in natural coordinates: the next one would be rounding
 constexpr double kFarAway = 1;     // natural coordinates outside the cell where Newton's method has diverged
-constexpr double kBulge = 0.25;    // of a curved cell beyond the box of its nodes, in the box's size
+constexpr double kBulge = 0.25;    // curved cells beyond the box of their nodes, in its size
 
 /// Derivatives of the position by natural coordinates.
 Matrix3 jacobian(const SampledVolume& volume, std::span<const std::uint32_t> nodes, std::span<const Vec3> slopes) {

@@ -57,7 +57,7 @@ class HigherOrderFunctions {
 
   const SampledVolume& volume_;
   std::vector<NodalBasis> bases_;     ///< one per kind
-  std::vector<std::uint16_t> basis_;  ///< of each cell of higher order
+  std::vector<std::uint16_t> basis_;  ///< per cell of higher order
   std::vector<std::uint8_t> curved_;  ///< its map from natural coordinates is not affine
   std::vector<std::uint16_t> local_;  ///< for each corner of the volume's cells: its number among the nodes
   Adjacency around_;                  ///< cells of higher order at each sample; only if any is curved
