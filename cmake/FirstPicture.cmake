@@ -9,7 +9,7 @@ set(SANSMESH_FIRST
     "^polygonize/(crease_edges|editable_surface|extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
     "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
-    "^jobs/(color_bar|draw_|fit_words|frame_names|height_grid|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points|tile_names)"
+    "^jobs/(color_bar|draw_|fit_words|frame_names|height_grid|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points|split|tile_names)"
     "^(io/grids/geotiff_write|measure/(contours|mesh_heights))\\.cpp"
     "^io/grids/(nek|plot3d)_read"  # told apart from points by name or content
     "^(volume/volume_method|flow/flow_integrator|dynamics/body_integrator)\\.cpp")  # registries that `sansmesh schema` lists

@@ -254,7 +254,6 @@ AttributeTable rows_of_blocks(const GridData& data, const std::vector<std::size_
 }
 
 /// Numbers the points used as cell corners from 0, in order of use; kUnused for the others.
-constexpr std::uint32_t kUnused = 0xffffffffu;
 std::vector<std::uint32_t> used_points(const CellList& cells, std::size_t points, std::size_t& count) {
   std::vector<std::uint32_t> number(points, kUnused);
   for (const std::uint32_t p : cells.corners) number[p] = 0;
@@ -311,32 +310,6 @@ void remove_overlapped(GatheredCells& gathered, std::vector<std::uint32_t>& sour
   source = std::move(left);
   used_points(gathered.cells, gathered.points.size(), after);
   facts.overlapped = gathered.centers.empty() ? before - after : lost;
-}
-
-/// The cells of higher order whose nodes are distinct samples; `source` is the previous index of each cell.
-HigherOrderCells kept_higher(const HigherOrderCells& all, const std::vector<std::uint32_t>& source,
-                             const std::vector<std::uint32_t>& number, std::size_t cells) {
-  HigherOrderCells kept;
-  if (all.of_piece.empty()) return kept;
-  constexpr std::uint32_t kNew = 0xfffffffeu;
-  std::vector<std::uint32_t> kept_as(all.size(), kNew), nodes, sorted;
-  kept.of_piece.assign(cells, HigherOrderCells::kNone);
-  for (std::size_t c = 0; c < cells; ++c) {
-    const std::uint32_t whole = all.of_piece[source.empty() ? c : source[c]];
-    if (whole == HigherOrderCells::kNone) continue;
-    if (kept_as[whole] == kNew) {
-      nodes.clear();
-      for (const std::uint32_t p : all[whole]) nodes.push_back(number[p]);
-      sorted = nodes;
-      std::sort(sorted.begin(), sorted.end());
-      const bool usable = sorted.back() != kUnused && std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
-      kept_as[whole] = usable ? static_cast<std::uint32_t>(kept.size()) : HigherOrderCells::kNone;
-      if (usable) kept.add(all.kinds[whole], nodes);
-    }
-    kept.of_piece[c] = kept_as[whole];
-  }
-  if (kept.empty()) kept = {};
-  return kept;
 }
 
 /// Samples at cell corners; `source`: previous index of each cell, empty if unchanged.

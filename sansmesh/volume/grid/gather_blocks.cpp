@@ -233,4 +233,29 @@ GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>&
   return gathered;
 }
 
+HigherOrderCells kept_higher(const HigherOrderCells& all, const std::vector<std::uint32_t>& source,
+                             const std::vector<std::uint32_t>& number, std::size_t cells) {
+  HigherOrderCells kept;
+  if (all.of_piece.empty()) return kept;
+  constexpr std::uint32_t kNew = 0xfffffffeu;
+  std::vector<std::uint32_t> kept_as(all.size(), kNew), nodes, sorted;
+  kept.of_piece.assign(cells, HigherOrderCells::kNone);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const std::uint32_t whole = all.of_piece[source.empty() ? c : source[c]];
+    if (whole == HigherOrderCells::kNone) continue;
+    if (kept_as[whole] == kNew) {
+      nodes.clear();
+      for (const std::uint32_t p : all[whole]) nodes.push_back(number[p]);
+      sorted = nodes;
+      std::sort(sorted.begin(), sorted.end());
+      const bool usable = sorted.back() != kUnused && std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+      kept_as[whole] = usable ? static_cast<std::uint32_t>(kept.size()) : HigherOrderCells::kNone;
+      if (usable) kept.add(all.kinds[whole], nodes);
+    }
+    kept.of_piece[c] = kept_as[whole];
+  }
+  if (kept.empty()) kept = {};
+  return kept;
+}
+
 }  // namespace sansmesh::inline v1

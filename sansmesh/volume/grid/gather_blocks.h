@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "sansmesh/grid_data.h"
@@ -16,5 +17,13 @@ namespace sansmesh::inline v1 {
 /// hidden, not_finite, layer.
 GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>& order, bool centers,
                            VolumeFacts& facts);
+
+/// Number of a point that is no corner of a cell.
+inline constexpr std::uint32_t kUnused = 0xffffffffu;
+
+/// The cells of higher order whose nodes are distinct samples: `number` of each point, or kUnused; `source` is the
+/// previous index of each of the `cells`, empty if unchanged.
+HigherOrderCells kept_higher(const HigherOrderCells& all, const std::vector<std::uint32_t>& source,
+                             const std::vector<std::uint32_t>& number, std::size_t cells);
 
 }  // namespace sansmesh::inline v1
