@@ -1,17 +1,13 @@
-// COPC: LAZ whose chunks are the nodes of an octree. Files with its ending are recognised as LAZ by their content.
+// COPC, as it is written. Reading follows from the content: it is LAZ.
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/output.h"
-#include "sansmesh/io/readers.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr FormatInfo kCopcFormats[] = {{.name = "COPC",
                                         .endings = "copc.laz",
-                                        .reads = kPoints,
                                         .written = {{{"copc.laz", kPoints}}},
-                                        .read_points = io::read_las,
-                                        .selects = true,
                                         .write_points = io::points_to_copc,
                                         .points_capacity = FormatCapacity::all_but_normals,
                                         .system_capacity = SystemCapacity::records_of_text}};

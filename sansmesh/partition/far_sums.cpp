@@ -20,9 +20,6 @@ namespace sansmesh::inline v1 {
 constexpr float kOpen = 4.0f, kClosed = 5.0f;
 /// The same for rough sums, without a transition.
 constexpr float kRough = 2.25f;
-/// A group is faint at a point if no place of its patches in its ball could give it more than this share of Σ area /
-/// r⁵, which bounds the dipoles of open patches.
-constexpr float kFaint = 0.1f;
 }  // namespace sansmesh::inline v1
 #endif
 
@@ -48,7 +45,7 @@ struct FarView {
   std::size_t k;
 
   V constant(const float (&row)[kTreeWidth]) const { return hn::Set(d, row[k]); }
-  /// Product of a symmetric matrix, given by its six entries, and a vector.
+  /// Product of a symmetric matrix, whole by its six entries, and a vector.
   static void times(const V (&m)[6], const V (&v)[3], V (&product)[3]) {
     product[0] = pn::MulAdd(m[0], v[0], pn::MulAdd(m[1], v[1], hn::Mul(m[2], v[2])));
     product[1] = pn::MulAdd(m[1], v[0], pn::MulAdd(m[3], v[1], hn::Mul(m[4], v[2])));
@@ -141,7 +138,6 @@ HWY_INLINE void GroupWeights(const FarView<D>& at, const FarTree::Moments& momen
   }
 }
 
-/// Adds the terms of a source with the points' shares in it.
 template <bool kGradient, FarSums kSums, class D, class V = hn::Vec<D>>
 HWY_INLINE void GroupTerms(const FarView<D>& at, const FarTree::Moments& moments, FarTerms<V>& found) {
   const V u[3] = {hn::Mul(at.step[0], at.root), hn::Mul(at.step[1], at.root), hn::Mul(at.step[2], at.root)};
@@ -149,6 +145,7 @@ HWY_INLINE void GroupTerms(const FarView<D>& at, const FarTree::Moments& moments
   if (kSums != FarSums::winding) GroupWeights<kGradient, kSums>(at, moments, u, found);
 }
 
+/// Adds the terms of a source with the points' shares in it.
 template <bool kGradient, FarSums kSums, class V>
 HWY_INLINE void AddTerms(const FarTerms<V>& found, const V& share, const V (&share_slope)[3], FarTerms<V>& sum) {
   for (std::size_t m = 0; m < 3; ++m) {
@@ -160,74 +157,6 @@ HWY_INLINE void AddTerms(const FarTerms<V>& found, const V& share, const V (&sha
       sum.slope[m][a] =
           pn::MulAdd(share_slope[a], found.term[m], pn::MulAdd(share, found.slope[m][a], sum.slope[m][a]));
   }
-}
-
-/// Adds a group of open patches as one patch where it is faint: where area / (r − radius)⁵ is at most `limit`. There
-/// the points' shares in it become 0.
-template <bool kGradient, class D, class V = hn::Vec<D>>
-HWY_INLINE void AddFaint(FarView<D>& at, const V& r2, const V& limit, V& share, V (&share_slope)[3], FarTerms<V>& sum) {
-  const D d = at.d;
-  const V zero = hn::Zero(d), square = hn::Max(r2, hn::Set(d, 1e-12f)), root = pn::ReciprocalSqrt(square);
-  const V gap = hn::Max(pn::MulSub(square, root, at.constant(at.octet.radius)), zero), gap2 = hn::Mul(gap, gap);
-  const auto bright = hn::Gt(at.constant(at.octet.area), hn::Mul(hn::Mul(limit, gap), hn::Mul(gap2, gap2)));
-  const V faint = hn::IfThenZeroElse(bright, share);
-  if (hn::AllTrue(d, hn::Le(faint, zero))) return;
-  V slope[3] = {zero, zero, zero};
-  for (std::size_t a = 0; a < 3 && kGradient; ++a) {
-    slope[a] = hn::IfThenZeroElse(bright, share_slope[a]);
-    share_slope[a] = hn::IfThenElseZero(bright, share_slope[a]);
-  }
-  share = hn::IfThenElseZero(bright, share);
-  FarTerms<V> found;
-  at.root = hn::IfThenElse(bright, hn::Set(d, 1.0f), root);
-  PatchTerms<kGradient, FarSums::open>(at, found);
-  AddTerms<kGradient, FarSums::open>(found, faint, slope, sum);
-}
-
-/// Lower bound of Σ area / r⁵ at a point: the largest of the sums over the octets on a way down to near patches.
-inline float LeastPull(const FarTree& tree, float x, float y, float z) {
-  constexpr std::size_t n = kTreeWidth;
-  HWY_ALIGN float r2[n], pull[n];
-  float most = 0;
-  std::size_t octet = 0;
-  for (std::size_t level = tree.levels.size(); level-- > 0;) {
-    const FarTree::Octet& o = tree.levels[level][octet];
-    const hn::CappedTag<float, n> d;
-    for (std::size_t k = 0; k < n; k += hn::Lanes(d)) {
-      const auto at = [&](const float(&row)[n]) HWY_ATTR { return hn::LoadU(d, row + k); };
-      const auto u = hn::Sub(at(o.x), hn::Set(d, x)), v = hn::Sub(at(o.y), hn::Set(d, y)),
-                 w = hn::Sub(at(o.z), hn::Set(d, z));
-      const auto square = pn::MulAdd(u, u, pn::MulAdd(v, v, hn::Mul(w, w))), zero = hn::Zero(d);
-      const auto used = hn::Ge(at(o.radius), zero);
-      // The farthest place of a member; a patch is softened.
-      const auto reach = hn::Set(d, level > 0 ? 1.0f : 0.0f), soft = hn::Set(d, level > 0 ? 0.0f : 0.25f);
-      const auto softened = hn::Max(pn::MulAdd(soft, at(o.area), square), hn::Set(d, 1e-12f));
-      const auto root = pn::ReciprocalSqrt(softened);
-      const auto far = pn::MulAdd(softened, root, hn::Mul(reach, at(o.radius)));  // distance
-      const auto inverse = hn::Div(hn::Set(d, 1.0f), far), inverse2 = hn::Mul(inverse, inverse);
-      const auto pulls = hn::Mul(at(o.area), hn::Mul(hn::Mul(inverse2, inverse2), inverse));
-      hn::Store(hn::IfThenElseZero(used, pulls), d, pull + k);
-      hn::Store(hn::IfThenElse(used, square, hn::Set(d, 3e38f)), d, r2 + k);
-    }
-    float sum = 0;
-    std::size_t nearest = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      sum += pull[k];
-      if (r2[k] < r2[nearest]) nearest = k;
-    }
-    most = std::max(most, sum);
-    octet = octet * n + nearest;
-  }
-  return most;
-}
-
-/// Bound of area / (r − radius)⁵ of faint groups.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V FaintLimit(D d, const FarTree& tree, const FarBatch& batch, std::size_t begin) {
-  HWY_ALIGN float least[16];
-  for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-    least[i] = kFaint * LeastPull(tree, batch.x[0][begin + i], batch.x[1][begin + i], batch.x[2][begin + i]);
-  return hn::Load(d, least);
 }
 
 /// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ for open ones), Σ area / r⁴, Σ area / r⁶ (and
@@ -255,14 +184,13 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   hn::Store(one, d, shares[0]);
   if (kGradient)
     for (float* lane : slopes[0]) hn::Store(zero, d, lane);
-  const V limit = kSums == FarSums::open ? FaintLimit(d, tree, batch, begin) : zero;
   while (top > 0) {
     const Item item = stack[--top];
     const FarTree::Octet& o = tree.levels[item.level][item.octet];
-    const V given = hn::Load(d, shares[top]);
-    V given_slope[3] = {zero, zero, zero};
+    const V whole = hn::Load(d, shares[top]);
+    V whole_slope[3] = {zero, zero, zero};
     if (kGradient)
-      for (std::size_t a = 0; a < 3; ++a) given_slope[a] = hn::Load(d, slopes[top][a]);
+      for (std::size_t a = 0; a < 3; ++a) whole_slope[a] = hn::Load(d, slopes[top][a]);
     for (std::uint32_t k = 0; k < 8; ++k) {
       if (o.radius[k] < 0) continue;
       FarView<D> at{
@@ -272,17 +200,10 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
           o,
           k};
       V r2 = at.dot(at.step, at.step);
-      V whole = given, whole_slope[3] = {given_slope[0], given_slope[1], given_slope[2]};
       V share = whole, share_slope[3] = {whole_slope[0], whole_slope[1], whole_slope[2]};
       if (item.level > 0) {
         const float inverse = 1 / (std::max(o.radius[k] * o.radius[k], 1e-20f) * (kClosed - kOpen));
         const V t = pn::MulAdd(r2, hn::Set(d, inverse), hn::Set(d, -kOpen / (kClosed - kOpen)));
-        if (kSums == FarSums::open) {
-          AddFaint<kGradient>(at, r2, limit, whole, whole_slope, sum);
-          if (hn::AllTrue(d, hn::Le(whole, zero))) continue;
-          share = whole;
-          for (std::size_t a = 0; a < 3; ++a) share_slope[a] = whole_slope[a];
-        }
         const auto open = hn::And(hn::Lt(t, one), hn::Gt(whole, zero));
         if (!hn::AllFalse(d, open)) {
           // The group's share grows from 0 to 1 with t; the rest belongs to its members.

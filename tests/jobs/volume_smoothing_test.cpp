@@ -74,7 +74,7 @@ TEST(FittedVolume, KeepsItsSmoothedSamples) {
   Progress progress;
   std::vector<Note> notes;
   const std::vector<Vec3> x = {{0.31, 0.52, 0.13}, {0.9, 0.2, 0.7}, {0, 0, 0}, {0.5, 1, 0.25}};
-  const auto values_of = [&](VolumeModel volume, double* noise) {
+  const auto values_of = [&](const VolumeModel& volume, double* noise) {
     std::vector<double> values(x.size());
     volume.field(progress, notes)->evaluate(x, {values});
     EXPECT_EQ(volume.report().options.smoothing, 1);

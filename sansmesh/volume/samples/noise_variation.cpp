@@ -249,6 +249,7 @@ NoiseByPlace noise_by_place(const std::vector<NoiseResidual>& residuals, const s
     }
     std::nth_element(near.begin(), near.begin() + (kInBin - 1), near.end());
     std::vector<std::uint32_t> bin;
+    bin.reserve(kInBin);
     for (std::size_t j = 0; j < kInBin; ++j) bin.push_back(near[j].second);
     if (const double s = deviation_in_bin(residuals, bin, partners, rounding); s > 0)
       logs[node] = std::log(limited_factor(s / deviation));
