@@ -80,11 +80,17 @@ std::string vector_components(std::span<const DatasetArray> arrays) {
       for (std::size_t at = a.name.find(axes[0]); at != std::string::npos; at = a.name.find(axes[0], at + 1)) {
         // u is a letter of many words; arrays named x, y and z are coordinates.
         if ((axes[0] == 'u' || axes[0] == 'U') != (a.name.size() == 1)) continue;
+        // Rows of tensors are no vectors: stress_xx.
+        const auto is_axis = [&](std::size_t k) { return k < a.name.size() && axes.find(a.name[k]) != axes.npos; };
+        if (a.name.size() > 1 && (is_axis(at + 1) || (at > 0 && is_axis(at - 1)))) continue;
         std::string second = a.name, third = a.name;
         second[at] = axes[1], third[at] = axes[2];
         if (!exists(a.name, a.of) || !exists(second, a.of)) continue;
         const bool three = exists(third, a.of);
-        const int suits = 1 + (io::lower(a.name).find("vel") != std::string::npos ? 4 : 0) + (three ? 2 : 0);
+        // Two numbers alone may be indices.
+        const std::string name = io::lower(a.name);
+        if (!three && a.name.size() > 1 && name.find('v') == std::string::npos) continue;
+        const int suits = 1 + (name.find("vel") != std::string::npos ? 4 : 0) + (three ? 2 : 0);
         if (suits <= most) continue;
         most = suits;
         best = a.name + "," + second + (three ? "," + third : "");

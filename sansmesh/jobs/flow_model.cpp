@@ -65,6 +65,11 @@ ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array, std:
       if (a.components == components) return {a.name, {}, false};
   if (const std::string found = vector_components(arrays); !found.empty()) {
     dataset_of(volume).join(found);
+    if (std::none_of(arrays.begin(), arrays.end(), [&](const DatasetArray& a) { return a.name == found; }))
+      throw DataError(
+          fmt::format("{}: holds the components {} apart, which become vectors when a file of arrays is "
+                      "opened with them (`array`)",
+                      volume.name(), found));
     add_notes(notes, "vectors", {"the vectors are " + found + " (`array` lists other components)"}, volume.name());
     return volume.choose(found);
   }

@@ -24,7 +24,8 @@ std::optional<DatasetArray> flow_array(const VolumeDataset& dataset, const std::
     if (a.name == looked_at) return a;
     if (!found) found = a;
   }
-  return found ? found : joined_array(dataset.arrays(), vector_components(dataset.arrays()));
+  if (found || dataset.fitted()) return found;
+  return joined_array(dataset.arrays(), vector_components(dataset.arrays()));
 }
 
 /// Seed line along the longer of the two axes perpendicular to the main flow.

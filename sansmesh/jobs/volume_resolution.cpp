@@ -168,14 +168,20 @@ double extent_of(const SampledVolume& volume, const std::string& array) {
 }
 
 void summarise(const SampledVolume& volume, const std::vector<double>& errors, ResolutionReport& r) {
-  std::vector<double> sorted = errors;
+  std::vector<double> sorted;
+  sorted.reserve(errors.size());
+  std::size_t where = 0;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (std::isnan(errors[i])) continue;
+    if (sorted.empty() || errors[i] > errors[where]) where = i;
+    sorted.push_back(errors[i]);
+  }
+  for (const double e : sorted) r.mean += e / static_cast<double>(sorted.size());
   std::sort(sorted.begin(), sorted.end());
   const auto at = [&](double share) {
     return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
   };
-  for (const double e : errors) r.mean += e / static_cast<double>(errors.size());
   r.median = at(0.5), r.high = at(kFineAt), r.most = sorted.back();
-  const auto where = static_cast<std::size_t>(std::max_element(errors.begin(), errors.end()) - errors.begin());
   r.most_at = volume.position(where);
   // Errors of linear interpolation fall with the square of the distance of samples.
   if (r.range > 0) r.finer = std::max(1.0, std::sqrt(r.high / (kFineEnough * r.range)));
@@ -186,6 +192,8 @@ void summarise(const SampledVolume& volume, const std::vector<double>& errors, R
 ResolutionResult estimate_resolution(const VolumeModel& volume, Progress& progress) {
   const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
   const std::string& array = volume.array().name;
+  if (volume.choice().component || volume.choice().magnitude)
+    throw ArgumentError(fmt::format("`array`: the errors are those of whole vectors: {}", printable(array, 60)));
   ResolutionResult result;
   ResolutionReport& r = result.report;
   r.array = array;
@@ -193,7 +201,7 @@ ResolutionResult estimate_resolution(const VolumeModel& volume, Progress& progre
   options.method = "mls-detail", options.logarithm = false;
   options.smoothing = volume.options().reconstruction.smoothing;
   options.cell_values = volume.options().reconstruction.cell_values;
-  const std::vector<double> errors = with_name(volume.name(), [&] {
+  std::vector<double> errors = with_name(volume.name(), [&] {
     VolumeReconstructionReport fit;
     ReconstructionCoefficients coefficients;
     reconstruct_volume(samples, array, options, progress, &fit, &coefficients);
@@ -209,6 +217,9 @@ ResolutionResult estimate_resolution(const VolumeModel& volume, Progress& progre
     r.range = extent_of(*samples, array);
     return mean_differences(*samples, *high, *low, progress);
   });
+  // Samples without a value have no error.
+  for (const std::uint32_t i : volume_values(*samples, array).filled)
+    errors[i] = std::numeric_limits<double>::quiet_NaN();
   summarise(*samples, errors, r);
   auto made = std::make_shared<SampledVolume>(*samples);
   made->attributes.clear();

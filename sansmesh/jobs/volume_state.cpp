@@ -161,7 +161,7 @@ const VolumeTraits& VolumeModel::traits(Progress& progress) const {
     const SampleNoise& noise = s.dataset->noise(s.choice.array, values, progress);
     return measure_volume_traits(*volume, values, noise, progress);
   });
-  s.recommended = choose_reconstruction(*volume, *s.traits);
+  s.recommended = choose_reconstruction(*volume, *s.traits, s.options.reconstruction.smoothing);
   return *s.traits;
 }
 

@@ -14,9 +14,12 @@ constexpr std::size_t kLargeGrid = 20'000'000;
 
 }  // namespace
 
-VolumeReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
-  const char* const then = smoothed_unasked(volume.size()) ? "which is smoothed first"
-                                                           : "which only `smoothing` smooths, since there are so many";
+VolumeReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits,
+                                                 std::optional<double> smoothing) {
+  const char* const then = smoothing ? (*smoothing > 0 ? "which is smoothed first" : "which is kept")
+                           : smoothed_unasked(volume.size())
+                               ? "which is smoothed first"
+                               : "which only `smoothing` smooths, since there are so many";
   const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
   if (traits.noisy && volume.size() <= (volume.lattice ? kLargeLattice : kLargeGrid))
     return {"mls-detail", fmt::format("a {} with noise ({} of the range), {}: local polynomials gain most",

@@ -140,7 +140,7 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!options.method) {
     if (!noise) own_noise = noise_of_values(*volume, values, progress), noise = &own_noise;
     VolumeReconstructionChoice recommended =
-        choose_reconstruction(*volume, measure_volume_traits(*volume, values, *noise, progress));
+        choose_reconstruction(*volume, measure_volume_traits(*volume, values, *noise, progress), options.smoothing);
     r.options.method = std::move(recommended.method), r.why = std::move(recommended.why);
   }
   const VolumeMethod& method = volume_method(*r.options.method);

@@ -30,6 +30,9 @@ TEST(JoinedArrays, ComponentsAreFoundByTheirNames) {
   EXPECT_EQ(vector_components(named_arrays({"flux_x", "flux_y", "flux_z"})), "flux_x,flux_y,flux_z");
   EXPECT_EQ(vector_components(named_arrays({"vx", "vy", "Bx", "By", "Bz"})), "Bx,By,Bz");
   EXPECT_EQ(vector_components(named_arrays({"vx", "vy", "p"})), "vx,vy");
+  // Indices, and rows of tensors.
+  EXPECT_EQ(vector_components(named_arrays({"index_x", "index_y"})), "");
+  EXPECT_EQ(vector_components(named_arrays({"stress_xx", "stress_xy", "stress_xz", "stress_yy"})), "");
   // Coordinates, and letters of words.
   EXPECT_EQ(vector_components(named_arrays({"x", "y", "z"})), "");
   EXPECT_EQ(vector_components(named_arrays({"mu", "mv", "flux"})), "");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -102,6 +103,32 @@ TEST(VolumeResolution, TellsHowMuchFiner) {
   const ResolutionReport enough = report_of(needed);
   EXPECT_LT(enough.high, 0.013 * enough.range);
   EXPECT_GT(enough.high, 0.005 * enough.range);
+}
+
+TEST(VolumeResolution, SamplesWithoutValueHaveNoError) {
+  GridData data = lattice_grid({12, 12, 12}, hills);
+  std::vector<double> values(12 * 12 * 12);
+  const Attribute& made = *data.blocks[0].point_arrays.find("f");
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = made.number(i);
+  for (const std::size_t i : {5u, 700u, 701u}) values[i] = std::numeric_limits<double>::quiet_NaN();
+  data.blocks[0].point_arrays.set("f", values);
+  Progress progress;
+  const ResolutionResult found = estimate_resolution(model_for(std::move(data), Association::points), progress);
+  const Attribute& errors = *found.samples->attributes.find("error");
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(std::isnan(errors.number(i)), std::isnan(values[i])) << i;
+  EXPECT_TRUE(std::isfinite(found.report.mean));
+  EXPECT_GE(found.report.most, found.report.high);
+}
+
+TEST(VolumeResolution, IsOfWholeVectors) {
+  GridData data = lattice_grid({6, 6, 6}, hills);
+  std::vector<double> vectors(std::size_t{2} * 6 * 6 * 6);
+  for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i] = std::sin(static_cast<double>(i));
+  data.blocks[0].point_arrays.set("v", vectors, 2);
+  VolumeModelOptions options;
+  options.array = "v:x";
+  Progress progress;
+  EXPECT_THROW(estimate_resolution(VolumeModel(std::move(data), "made", options), progress), ArgumentError);
 }
 
 TEST(VolumeResolution, OfLinearFunctionsIsPerfect) {

@@ -20,6 +20,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/jobs/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -74,6 +75,8 @@ void write_errors(const ResolutionResult& found, const std::string& name, const 
 }
 
 void tell_resolution(const VolumeModel& volume, const ResolutionArguments& a, Console& console) {
+  for (const std::string& file : a.outputs)
+    if (io::ending(file) != "png") check_smoothed_writable(file, volume, {}, console.progress());
   const ResolutionResult found = estimate_resolution(volume, console.progress());
   console.note(volume.name(), found.notes);
   for (const std::string& file : a.outputs) write_errors(found, volume.name(), file, console);
@@ -103,6 +106,7 @@ void run_any_info(const CloudInput& input, VolumeInput volume, const ResolutionA
     return run_info(input, console);
   }
   volume.files = input.files;
+  check_inputs_stay(volume.files, resolution.outputs);
   run_volume_info(volume, resolution, console);
 }
 

@@ -11,6 +11,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/jobs/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -23,6 +24,7 @@ struct VolumeSmoothArguments {
 
 void run_volume_smooth(const VolumeSmoothArguments& a, Console& console) {
   if (io::ending(a.output) != "vtu") check_volume_writable(a.output);
+  check_inputs_stay(a.input.files, {a.output});
   VolumeModel volume = a.input.open(console);
   check_smoothed_writable(a.output, volume, a.options, console.progress());
   const SmoothVolumeResult made = smooth_volume(volume, a.options, console.progress());

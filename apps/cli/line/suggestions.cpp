@@ -24,7 +24,7 @@ std::string did_you_mean_listed(const std::string& message, std::string mistyped
   }
   std::size_t at = message.find(mistyped);
   if (mistyped.empty() || at == std::string::npos) return "";
-  for (const char* const before : {"known are ", "there are ", ": "})
+  for (const char* const before : {"known are ", "there are ", "holds ", ": "})
     if (const std::size_t list = message.rfind(before); list != std::string::npos && list > at) {
       at = list + std::string(before).size();
       break;

@@ -18,6 +18,8 @@ constexpr double kLikeNoise = 0.05, kAlternating = -0.35, kSpreadOfPair = 0.6;
 /// Share of a bin beyond 2.5 deviations (of the median) above which it is not normal: 0.012 for noise.
 constexpr double kMostTails = 0.04;
 /// Residuals per bin of values or place, and how many of these are needed.
+/// Residuals that are looked at by place.
+constexpr std::size_t kMostByPlace = 15'000;
 constexpr std::size_t kInBin = 400, kLeastBins = 4, kMostBins = 32;
 /// Share of the variance of log |residual| that varying noise has to explain: at the first it counts for nothing.
 constexpr double kNotVarying = 0.004, kVarying = 0.012;
@@ -222,6 +224,11 @@ NoiseByPlace noise_by_place(const std::vector<NoiseResidual>& residuals, const s
   std::vector<std::uint32_t> used;
   for (std::uint32_t i = 0; i < residuals.size(); ++i)
     if (std::abs(residuals[i].residual) > rounding) used.push_back(i);
+  // Nodes and the work at each grow with the residuals, which arrays of many components have many of.
+  if (const std::size_t step = (used.size() + kMostByPlace - 1) / kMostByPlace; step > 1) {
+    for (std::size_t k = 0; k * step < used.size(); ++k) used[k] = used[k * step];
+    used.resize((used.size() + step - 1) / step);
+  }
   const std::size_t bins = used.size() / kInBin;
   if (bins < 2 * kLeastBins || !(deviation > 0)) return {};
   NoiseByPlace map;
