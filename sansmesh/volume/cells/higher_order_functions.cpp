@@ -12,9 +12,9 @@ namespace {
 constexpr double kStraight = 1e-9;  // deviation from an affine cell, in its size
 constexpr double kBeyond = 1e-9;    // natural coordinates
 constexpr int kMostNewton = 20;
-constexpr double kSettled = 1e-7;  // last step in natural coordinates: the next one would be rounding
-constexpr double kFarAway = 1;     // natural coordinates outside the cell where Newton's method has diverged
-constexpr double kBulge = 0.25;    // curved cells beyond the box of their nodes, in its size
+constexpr double kConverged = 1e-7;  // last step in natural coordinates: the next one would be rounding
+constexpr double kDiverged = 1;      // natural coordinates outside the cell where Newton's method has diverged
+constexpr double kBulge = 0.25;      // curved cells beyond the box of their nodes, in its size
 
 /// Derivatives of the position by natural coordinates.
 Matrix3 jacobian(const SampledVolume& volume, std::span<const std::uint32_t> nodes, std::span<const Vec3> slopes) {
@@ -144,8 +144,8 @@ bool HigherOrderFunctions::invert(std::uint32_t cell, const Vec3& x, Vec3& u, No
     const Vec3 d = jacobian(volume_, nodes, out.slopes).solve(left);
     if (!is_finite(d)) return false;
     at += d;
-    if (!basis.within(at, kFarAway)) return false;
-    if (squared_norm(d) > kSettled * kSettled) continue;
+    if (!basis.within(at, kDiverged)) return false;
+    if (squared_norm(d) > kConverged * kConverged) continue;
     u = at;
     return true;
   }

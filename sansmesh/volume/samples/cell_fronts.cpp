@@ -18,7 +18,7 @@ constexpr std::size_t kEnoughFrontCells = 27, kMostFrontCells = 60;
 constexpr int kFrontRings = 3;
 constexpr double kFrontWidth = 1.5;  ///< width of the weights exp(−‖u‖²/width²)
 /// Trust of polynomials above which they need no front; below the first they may.
-constexpr double kDoubtful = 0.3, kTrusted = 0.6;
+constexpr double kDoubtfulTrust = 0.3, kTrusted = 0.6;
 /// Deviation of means from the fit, over the difference of the values: full trust up to the first, none from the
 /// second.
 constexpr double kSmallDeviation = 0.04, kLargeDeviation = 1.0 / 12;
@@ -62,7 +62,7 @@ class FrontFinder {
   /// The front of a sample; its trust is 0 if there is none.
   CellFront front_of(std::uint32_t i) {
     CellFront none;
-    const double doubt = fade(static_cast<double>(polynomials_.trust[i]), kDoubtful, kTrusted);
+    const double doubt = fade(static_cast<double>(polynomials_.trust[i]), kDoubtfulTrust, kTrusted);
     if (!(doubt > 0)) return none;
     const StarMetric metric = polynomials_.metric(volume_, i);
     stencil_.gather(i, metric, kEnoughFrontCells, kMostFrontCells, kFrontRings);

@@ -6,7 +6,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 // Pivots below this share of their diagonal are undetermined, as in the fits of mls.
-constexpr double kLeastPivot = 2e-3;
+constexpr double kLeastCentrePivot = 2e-3;
 
 /// Four sums in a fixed order.
 double sum_of_products(const double* a, const double* b, std::size_t n) {
@@ -30,7 +30,7 @@ void solve_determined(const double (&a)[kSize][kSize], std::size_t n, const doub
     }
     double pivot = a[i][i];
     for (std::size_t k = 0; k < i; ++k) pivot -= l[i][k] * l[i][k] * d[k];
-    d[i] = pivot > kLeastPivot * a[i][i] ? pivot : 0;
+    d[i] = pivot > kLeastCentrePivot * a[i][i] ? pivot : 0;
     double sum = right[i];
     for (std::size_t k = 0; k < i; ++k) sum -= l[i][k] * y[k];
     y[i] = d[i] > 0 ? sum : 0;
