@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_tool.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/vec.h"
 #include "support/png_file.h"
 
@@ -72,6 +73,7 @@ TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
 }
 
 TEST_F(FlowLinesTool, ComponentsInSeparateArraysAreVectors) {
+  if (!has_vtk_readers()) GTEST_SKIP() << "without the module";
   std::string grid =
       "# vtk DataFile Version 3.0\nflow\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 9 9 9\nORIGIN -1 -1 -1\n"
       "SPACING 0.25 0.25 0.25\nPOINT_DATA 729\n";
