@@ -73,7 +73,7 @@ struct HigherOrderKind {
   std::array<std::uint8_t, 3> orders{2, 2, 2};                ///< degrees, 1 to kMostOrder; 2 from hexahedron_20 on
   static constexpr std::uint8_t kMostOrder = 10;              ///< largest degree
 
-  /// Whether the kinds are equal.
+  /// Equality of family and orders.
   bool operator==(const HigherOrderKind&) const = default;
 };
 /// Number of nodes of a cell of higher order; 0 if its orders are not allowed.
@@ -89,7 +89,7 @@ struct HigherOrderCells {
 
   /// Number of cells of higher order.
   std::size_t size() const { return kinds.size(); }
-  /// Whether there are none.
+  /// Whether there are no cells of higher order.
   bool empty() const { return kinds.empty(); }
   /// Nodes of a cell. Valid until the list changes.
   std::span<const std::uint32_t> operator[](std::size_t cell) const {

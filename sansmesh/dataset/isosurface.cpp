@@ -156,7 +156,6 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, const Levele
                        const std::function<double(std::size_t)>& sample_value, double value)
     : volume_(std::move(volume)),
       field_(leveled.field),
-      levels_(dynamic_cast<const LevelField*>(field_.get())),
       frame_(frame_of(*volume_)),
       value_(value),
       level_(leveled.of(value)),
@@ -170,16 +169,8 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, const Levele
     throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
                                 leveled.back(all.least), leveled.back(all.most)));
   }
-  std::vector<Vec3> some;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kSlopes) some.push_back(points[i]);
-  std::vector<Vec3> gradients(some.size());
-  evaluate_field(in_input(some), {{}, gradients});
-  std::vector<double> slopes = slopes_of(gradients);
+  std::vector<double> slopes = slopes_at(*field_, level_, points, frame_, kSlopes);
   if (!slopes.empty()) slope_ = median(slopes) * frame_.unit;
-}
-
-void Isosurface::evaluate_field(std::span<const Vec3> x, const VolumeFieldValues& wanted) const {
-  levels_ ? levels_->evaluate_level(level_, x, wanted) : field_->evaluate(x, wanted);
 }
 
 std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
@@ -194,7 +185,7 @@ void Isosurface::evaluate(std::span<const Vec3> x, std::span<double> values, std
 
 void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                     std::span<std::uint8_t> inside) const {
-  evaluate_field(in_input(x), {values, gradients, inside});
+  evaluate_level(*field_, level_, in_input(x), {values, gradients, inside});
   for (double& v : values) v = (level_ - v) / slope_;
   const double scale = -frame_.unit / slope_;
   for (Vec3& g : gradients) g *= scale;

@@ -26,8 +26,6 @@
 
 namespace sansmesh::inline v1 {
 
-class LevelField;
-
 /// Signed distance function of the volume's domain, approximate: negative inside, with the sign of the locator. Uses
 /// local coordinates.
 class VolumeDomain : public ScalarField {
@@ -84,11 +82,9 @@ class Isosurface : public ScalarField {
   Isosurface(std::shared_ptr<const SampledVolume> volume, const Leveled& leveled,
              const std::function<double(std::size_t)>& sample_value, double value);
   std::vector<Vec3> in_input(std::span<const Vec3> x) const;
-  void evaluate_field(std::span<const Vec3> x, const VolumeFieldValues& wanted) const;
 
   std::shared_ptr<const SampledVolume> volume_;
   std::shared_ptr<const VolumeField> field_;  // the logarithm, where it is reconstructed
-  const LevelField* levels_;                  // second interface of `field_`; may be null
   LocalFrame frame_;
   double value_, level_, slope_ = 1;  // value of the array and of `field_`
   VolumeDomain domain_;

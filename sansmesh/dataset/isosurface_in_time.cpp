@@ -12,7 +12,6 @@
 #include "sansmesh/dataset/level_scale.h"
 #include "sansmesh/dataset/step_times.h"
 #include "sansmesh/error.h"
-#include "sansmesh/field/level_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -34,12 +33,6 @@ std::vector<double> times_of(const std::vector<IsosurfaceStep>& steps) {
   for (const IsosurfaceStep& step : steps) times.push_back(step.time);
   check_step_times(times);
   return times;
-}
-
-/// The function whose level set of `value` is that of a field, and which is linear through fronts.
-void evaluate_step(const VolumeField& field, double value, std::span<const Vec3> x, const VolumeFieldValues& wanted) {
-  const auto* const levels = dynamic_cast<const LevelField*>(&field);
-  levels ? levels->evaluate_level(value, x, wanted) : field.evaluate(x, wanted);
 }
 
 LocalFrame frame_of_first(const std::vector<IsosurfaceStep>& steps) {
@@ -65,12 +58,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     all = {std::min(all.least, samples.least), std::max(all.most, samples.most)};
     const std::vector<Vec3> points = ranges_.back()->points_with(value);
     occurs = occurs || !points.empty();
-    std::vector<Vec3> some;
-    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kSlopesOfStep)
-      some.push_back(frame_.to_input(points[i]));
-    std::vector<Vec3> gradients(some.size());
-    evaluate_step(*step.field, value, some, {{}, gradients});
-    const std::vector<double> found = slopes_of(gradients);
+    const std::vector<double> found = slopes_at(*step.field, value, points, frame_, kSlopesOfStep);
     slopes.insert(slopes.end(), found.begin(), found.end());
   }
   if (!occurs)
@@ -113,7 +101,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     const Wanted& w = wanted[step];
     if (w.x.empty()) continue;
     found.resize(w.x.size());
-    evaluate_step(*steps_[step].field, value_, w.x, {found});
+    evaluate_level(*steps_[step].field, value_, w.x, {found});
     for (std::size_t n = 0; n < w.which.size(); ++n) values[w.which[n]] += w.share[n] * (value_ - found[n]) / slope_;
   }
   if (steps_[0].volume->lattice) return;  // bounds() suffices

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
@@ -99,19 +98,23 @@ std::string vector_components(std::span<const DatasetArray> arrays) {
 }
 
 std::optional<DatasetArray> joined_array(std::span<const DatasetArray> arrays, const std::string& names) {
-  DatasetArray joined{names, Association::points, NumberType::f32, 0, {}, {}, 0};
-  for (const std::string& name : listed_names(names)) {
-    const auto part = std::find_if(arrays.begin(), arrays.end(), [&](const DatasetArray& a) {
-      return a.name == name && a.components == 1 && (joined.components == 0 || a.of == joined.of);
-    });
-    if (part == arrays.end()) return std::nullopt;
-    joined.of = part->of;
-    if (part->type != NumberType::f32) joined.type = NumberType::f64;
-    ++joined.components;
-    joined.least.push_back(part->least[0]), joined.most.push_back(part->most[0]);
-    joined.not_finite += part->not_finite;
+  const std::vector<std::string> parts = listed_names(names);
+  if (parts.size() < 2) return std::nullopt;
+  for (const Association of : {Association::points, Association::cells}) {
+    DatasetArray joined{names, of, NumberType::f32, 0, {}, {}, 0};
+    for (const std::string& name : parts) {
+      const auto part = std::find_if(arrays.begin(), arrays.end(), [&](const DatasetArray& a) {
+        return a.name == name && a.components == 1 && a.of == of;
+      });
+      if (part == arrays.end()) break;
+      if (part->type != NumberType::f32) joined.type = NumberType::f64;
+      ++joined.components;
+      joined.least.push_back(part->least[0]), joined.most.push_back(part->most[0]);
+      joined.not_finite += part->not_finite;
+    }
+    if (joined.components == parts.size()) return joined;
   }
-  return joined;
+  return std::nullopt;
 }
 
 }  // namespace sansmesh::inline v1

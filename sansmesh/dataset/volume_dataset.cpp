@@ -86,10 +86,7 @@ VolumeDataset::VolumeDataset(FittedVolume fitted) : arrays_(fitted.arrays), fitt
   while (arrays_.at(default_).name != fitted_->array) ++default_;
 }
 
-VolumeDataset::VolumeDataset(GridData data) : data_(std::move(data)) { take_in_arrays(); }
-
-void VolumeDataset::take_in_arrays() {
-  arrays_.clear();
+VolumeDataset::VolumeDataset(GridData data) : data_(std::move(data)) {
   for (const GridBlock& b : data_.blocks) {
     for (const Attribute& a : b.point_arrays) take_in(a, Association::points, b.hidden_points, arrays_);
     for (const Attribute& a : b.cell_arrays) take_in(a, Association::cells, b.hidden_cells, arrays_);
@@ -97,21 +94,21 @@ void VolumeDataset::take_in_arrays() {
   for (DatasetArray& a : arrays_)
     for (std::size_t c = 0; c < a.components; ++c)
       if (a.least[c] > a.most[c]) a.least[c] = a.most[c] = std::numeric_limits<double>::quiet_NaN();
-  default_ = 0;
   for (std::size_t k = 1; k < arrays_.size(); ++k)
     if (suits(arrays_[k]) > suits(arrays_[default_])) default_ = k;
 }
 
-void VolumeDataset::join(const std::string& text) {
-  if (fitted_ || volumes_[0] || volumes_[1] || text.find(',') == std::string::npos) return;
-  const auto joined = [&](const std::string& names) {
-    const auto same = [&](const DatasetArray& a) { return a.name == names; };
-    if (std::any_of(arrays_.begin(), arrays_.end(), same)) return true;
+bool VolumeDataset::join(const std::string& text) {
+  for (const std::string& names : {text, text.substr(0, text.rfind(':'))}) {
+    if (std::any_of(arrays_.begin(), arrays_.end(), [&](const DatasetArray& a) { return a.name == names; }))
+      return true;
+    auto joined = joined_array(arrays_, names);
+    if (!joined || fitted_ || volumes_[0] || volumes_[1]) continue;
     join_arrays(data_, names);
-    take_in_arrays();
-    return std::any_of(arrays_.begin(), arrays_.end(), same);
-  };
-  if (!joined(text)) joined(text.substr(0, text.rfind(':')));
+    arrays_.push_back(std::move(*joined));
+    return true;
+  }
+  return false;
 }
 
 const DatasetArray& VolumeDataset::default_array() const {

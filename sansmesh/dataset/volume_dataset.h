@@ -27,8 +27,8 @@ class VolumeDataset {
   explicit VolumeDataset(FittedVolume fitted);
 
   /// Adds vectors whose components are separate arrays, as join_arrays, if `text` lists some: "vx,vy,vz", also with the
-  /// ending of a choice. Without effect once samples are assembled.
-  void join(const std::string& text);
+  /// ending of a choice. Returns whether there is such an array; no new ones are possible once samples are assembled.
+  bool join(const std::string& text);
 
   const std::vector<DatasetArray>& arrays() const { return arrays_; }
   /// For a fitted volume the reconstructed array. Otherwise the first of, by preference: real with one component and
@@ -73,8 +73,6 @@ class VolumeDataset {
   std::unique_ptr<VolumeField> reconstruct(const std::string& array, const VolumeReconstructionOptions& options,
                                            Progress& progress, VolumeReconstructionReport& report,
                                            ReconstructionCoefficients& kept);
-
-  void take_in_arrays();
 
   GridData data_;  ///< without blocks once they are no longer needed
   std::vector<DatasetArray> arrays_;

@@ -64,8 +64,7 @@ ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array, std:
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
   if (const std::string found = vector_components(arrays); !found.empty()) {
-    dataset_of(volume).join(found);
-    if (std::none_of(arrays.begin(), arrays.end(), [&](const DatasetArray& a) { return a.name == found; }))
+    if (!dataset_of(volume).join(found))
       throw DataError(
           fmt::format("{}: holds the components {} apart, which become vectors when a file of arrays is "
                       "opened with them (`array`)",

@@ -15,6 +15,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "sansmesh/volume/smoothed_values.h"
 
 namespace sansmesh::inline v1 {
@@ -32,14 +33,7 @@ std::vector<std::string> arrays_to_smooth(const VolumeModel& volume, bool all) {
 /// Corners of the cells of a lattice: its samples, or the planes between them if these are in cells.
 Lattice corner_lattice(const SampledVolume& volume) {
   Lattice lattice = *volume.lattice;
-  if (!volume.in_cells) return lattice;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::vector<double> centres = std::move(lattice.axes[k]);
-    std::vector<double>& axis = lattice.axes[k];
-    axis = {lattice.lower[k]};
-    for (std::size_t i = 1; i < centres.size(); ++i) axis.push_back(0.5 * (centres[i - 1] + centres[i]));
-    axis.push_back(lattice.upper[k]);
-  }
+  for (std::size_t k = 0; k < 3; ++k) lattice.axes[k] = cell_borders(*volume.lattice, k, volume.in_cells);
   return lattice;
 }
 

@@ -14,6 +14,7 @@
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_geometry.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "sansmesh/volume/reconstruction.h"
 
 namespace sansmesh::inline v1 {
@@ -51,16 +52,7 @@ class AskedCells {
     for (const CellShape s : {CellShape::tetrahedron, CellShape::hexahedron, CellShape::wedge, CellShape::pyramid})
       asked_[static_cast<std::size_t>(s)] = asked_in(s);
     if (!volume.lattice) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::vector<double>& axis = volume.lattice->axes[k];
-      if (!volume.in_cells) {
-        planes_[k] = axis;
-        continue;
-      }
-      planes_[k] = {volume.lattice->lower[k]};
-      for (std::size_t i = 1; i < axis.size(); ++i) planes_[k].push_back(0.5 * (axis[i - 1] + axis[i]));
-      planes_[k].push_back(volume.lattice->upper[k]);
-    }
+    for (std::size_t k = 0; k < 3; ++k) planes_[k] = cell_borders(*volume.lattice, k, volume.in_cells);
   }
 
   std::size_t size() const {
@@ -154,8 +146,7 @@ std::vector<double> mean_differences(const SampledVolume& volume, const VolumeFi
 }
 
 /// Diagonal of the box of the values of all components.
-double extent_of(const SampledVolume& volume, const std::string& array) {
-  const VolumeValues values = volume_values(volume, array);
+double extent_of(const VolumeValues& values) {
   const std::size_t c = values.components;
   double square = 0;
   for (std::size_t m = 0; m < c; ++m) {
@@ -208,18 +199,18 @@ ResolutionResult estimate_resolution(const VolumeModel& volume, Progress& progre
     const std::vector<float> trust(coefficients.polynomials.trust.begin(), coefficients.polynomials.trust.end());
     const auto doubtful = std::count_if(trust.begin(), trust.end(), [](float t) { return t < kResolved; });
     r.unresolved = static_cast<double>(doubtful) / static_cast<double>(trust.size());
-    // Where polynomials disagree they still tell by how much.
+    // Full trust: where polynomials disagree, their difference to linear interpolation still estimates its error.
     coefficients.polynomials.trust = std::vector<float>(trust.size(), 1.0F);
     const auto high = reconstruct_volume(samples, array, fit.options, progress, nullptr, &coefficients);
     VolumeReconstructionOptions plain;
     plain.method = "linear", plain.smoothing = fit.options.smoothing;
     const auto low = reconstruct_volume(samples, array, plain, progress);
-    r.range = extent_of(*samples, array);
     return mean_differences(*samples, *high, *low, progress);
   });
   // Samples without a value have no error.
-  for (const std::uint32_t i : volume_values(*samples, array).filled)
-    errors[i] = std::numeric_limits<double>::quiet_NaN();
+  const VolumeValues values = volume_values(*samples, array);
+  for (const std::uint32_t i : values.filled) errors[i] = std::numeric_limits<double>::quiet_NaN();
+  r.range = extent_of(values);
   summarise(*samples, errors, r);
   auto made = std::make_shared<SampledVolume>(*samples);
   made->attributes.clear();
@@ -248,12 +239,8 @@ VolumeModel resolution_volume(const ResolutionResult& resolution, const std::str
   arrays = v.attributes;
   if (v.lattice) {
     block.kind = GridKind::lattice;
-    block.axes = v.lattice->axes, block.origin = v.lattice->origin, block.directions = v.lattice->directions;
-    for (std::size_t k = 0; v.in_cells && k < 3; ++k) {
-      const std::vector<double> centres = std::exchange(block.axes[k], {v.lattice->lower[k]});
-      for (std::size_t i = 1; i < centres.size(); ++i) block.axes[k].push_back(0.5 * (centres[i - 1] + centres[i]));
-      block.axes[k].push_back(v.lattice->upper[k]);
-    }
+    block.origin = v.lattice->origin, block.directions = v.lattice->directions;
+    for (std::size_t k = 0; k < 3; ++k) block.axes[k] = cell_borders(*v.lattice, k, v.in_cells);
   } else {
     block.points = v.corners.empty() ? v.positions : v.corners;
     block.cells = v.cells;

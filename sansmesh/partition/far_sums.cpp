@@ -45,7 +45,7 @@ struct FarView {
   std::size_t k;
 
   V constant(const float (&row)[kTreeWidth]) const { return hn::Set(d, row[k]); }
-  /// Product of a symmetric matrix, whole by its six entries, and a vector.
+  /// Product of a symmetric matrix, given by its six entries, and a vector.
   static void times(const V (&m)[6], const V (&v)[3], V (&product)[3]) {
     product[0] = pn::MulAdd(m[0], v[0], pn::MulAdd(m[1], v[1], hn::Mul(m[2], v[2])));
     product[1] = pn::MulAdd(m[1], v[0], pn::MulAdd(m[3], v[1], hn::Mul(m[4], v[2])));

@@ -89,6 +89,7 @@ void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const 
 constexpr float kWhole = 4 * std::numbers::pi_v<float>;
 /// Rough winding numbers decide if they differ by this from 1/2.
 constexpr float kClearWinding = 0.25f;
+
 }  // namespace
 
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {

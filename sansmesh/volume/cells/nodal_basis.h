@@ -24,6 +24,7 @@ class NodalBasis {
   void evaluate(const Vec3& u, std::span<double> values, std::span<Vec3> slopes) const;
   /// Whether u is inside the cell, or outside by at most `margin`.
   bool within(const Vec3& u, double margin) const;
+  /// Natural coordinates of a point well inside.
   Vec3 middle() const;
 
  private:

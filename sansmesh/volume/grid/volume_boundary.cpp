@@ -98,16 +98,6 @@ TriangleMesh lattice_boundary(const Lattice& lattice) {
   return mesh;
 }
 
-/// Cell borders along an axis: at the samples, or between them for cell data.
-std::vector<double> cell_borders(const Lattice& lattice, std::size_t axis, bool in_cells) {
-  std::vector<double> borders = lattice.axes[axis];
-  if (!in_cells) return borders;
-  for (std::size_t i = borders.size() - 1; i > 0; --i) borders[i] = (borders[i - 1] + borders[i]) / 2;
-  borders.front() = lattice.lower[axis];
-  borders.push_back(lattice.upper[axis]);
-  return borders;
-}
-
 void add_line(PolylineSet& lines, std::initializer_list<Vec3> points) {
   for (const Vec3& x : points) lines.positions.emplace_back(x - lines.origin);
   lines.offsets.push_back(lines.positions.size());
@@ -137,6 +127,15 @@ PolylineSet lattice_edges(const Lattice& lattice, bool in_cells) {
 }
 
 }  // namespace
+
+std::vector<double> cell_borders(const Lattice& lattice, std::size_t axis, bool in_cells) {
+  std::vector<double> borders = lattice.axes[axis];
+  if (!in_cells) return borders;
+  for (std::size_t i = borders.size() - 1; i > 0; --i) borders[i] = (borders[i - 1] + borders[i]) / 2;
+  borders.front() = lattice.lower[axis];
+  borders.push_back(lattice.upper[axis]);
+  return borders;
+}
 
 PolylineSet boundary_edges(const SampledVolume& volume) {
   if (volume.lattice) return lattice_edges(*volume.lattice, volume.in_cells);

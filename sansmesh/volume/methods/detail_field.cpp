@@ -82,7 +82,7 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
   input.report.by_degree = fitted.by_degree();
   const auto doubtful = static_cast<std::size_t>(
       std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
-  // What remains of noise makes polynomials differ, too.
+  // Smoothed samples keep some noise, by which polynomials of neighbours differ.
   if (!input.noisy && 3 * doubtful > polynomials.size())
     input.report.notes.push_back(
         fmt::format("the samples are too far apart for what they show: at {:.0f} % of them polynomials of neighbours "

@@ -80,8 +80,9 @@ class FrontFinder {
     const double size = extent(i, normal);
     FrontShape shape;
     if (!(size > 0) || !fit_front(stencil_cells_, normal, size, shape)) return none;
-    if (is_hopeless(shape, size) || !fit_spread(stencil_cells_, size, shape)) return none;
-    return made(metric, shape, size, doubt);
+    const double parabola = parabola_deviation(size);
+    if (is_hopeless(shape, size, parabola) || !fit_spread(stencil_cells_, size, shape)) return none;
+    return made(metric, shape, size, parabola, doubt);
   }
 
  private:
@@ -210,20 +211,19 @@ class FrontFinder {
                                     : std::sqrt(squares / weights);
   }
 
-  bool is_hopeless(const FrontShape& f, double size) const {
+  bool is_hopeless(const FrontShape& f, double size, double parabola) const {
     return !(std::abs(f.offset) < kHopeless * kOutsideCell * size) ||
            !(f.deviation < kHopeless * kLargeDeviation * (f.high - f.low)) ||
-           !(f.deviation < kHopelessParabola * kLikeParabola * parabola_deviation(size));
+           !(f.deviation < kHopelessParabola * kLikeParabola * parabola);
   }
 
-  CellFront made(const StarMetric& metric, const FrontShape& f, double size, double doubt) const {
+  CellFront made(const StarMetric& metric, const FrontShape& f, double size, double parabola, double doubt) const {
     CellFront front;
     const double rise = f.high - f.low;
     const double low = own_ + scale_ * f.low, high = own_ + scale_ * f.high;
     if (logarithm_ && !(low > 0)) return front;
     double deviation = f.deviation / rise;
     if (logarithm_) deviation = std::max(deviation, kOfLogarithms * logarithmic_deviation(f, size));
-    const double parabola = parabola_deviation(size);
     if (!(parabola > 0)) return front;
     const double trust = doubt * fade(-smaller_side(f, size), -kLargeSide, -kSmallSide) *
                          fade(deviation, kSmallDeviation, kLargeDeviation) *

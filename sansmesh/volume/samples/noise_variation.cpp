@@ -17,9 +17,9 @@ constexpr std::size_t kFewest = 40;                          // pairs below whic
 constexpr double kLikeNoise = 0.05, kAlternating = -0.35, kSpreadOfPair = 0.6;
 /// Share of a bin beyond 2.5 deviations (of the median) above which it is not normal: 0.012 for noise.
 constexpr double kMostTails = 0.04;
-/// Residuals per bin of values or place, and how many of these are needed.
-/// Residuals that are looked at by place.
+/// Most residuals that are looked at by place.
 constexpr std::size_t kMostByPlace = 15'000;
+/// Residuals per bin of values or place, and how many of these are needed.
 constexpr std::size_t kInBin = 400, kLeastBins = 4, kMostBins = 32;
 /// Share of the variance of log |residual| that varying noise has to explain: at the first it counts for nothing.
 constexpr double kNotVarying = 0.004, kVarying = 0.012;
@@ -96,7 +96,7 @@ std::vector<std::array<std::uint32_t, 2>> partners_of(std::size_t n, const std::
   return partners;
 }
 
-/// Whether as few numbers are large as among normal deviates: steps add more.
+/// True if the share of large numbers is that of normal deviates; steps add more.
 bool without_tails(std::vector<double> magnitudes) {
   const double most = kNoiseTails * kDeviationOverMedian * median(magnitudes);
   const auto large = std::count_if(magnitudes.begin(), magnitudes.end(), [&](double m) { return m > most; });
