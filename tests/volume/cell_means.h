@@ -69,10 +69,11 @@ struct SphereFront {
   double operator()(const Vec3& x) const { return 0.5 * (1 - std::tanh(distance(x) / width)); }
 };
 
-/// Sets means of a front, with parts finer than its width.
+/// Sets means of a front, with at most three widths of it to a part of a cell.
 inline void set_front_means(GridData& data, const SphereFront& front) {
   set_means(data, front, [&](const Vec3& x, double size) {
-    return std::abs(front.distance(x)) > 0.5 * size + 4 * front.width ? 1 : 6;
+    if (std::abs(front.distance(x)) > 0.5 * size + 4 * front.width) return 1;
+    return std::clamp(static_cast<int>(std::ceil(size / (5 * front.width))), 1, 6);
   });
 }
 

@@ -217,8 +217,8 @@ TEST(MpuSurface, RangesHoldWhatItsValuesAre) {
 }
 
 TEST(MpuSurface, IsTheSameForAnyNumberOfThreads) {
-  const PointSet cloud = notched_cube(5000);
-  const std::vector<Vec3> x = somewhere(3000, 1.3);
+  const PointSet cloud = notched_cube(2000);
+  const std::vector<Vec3> x = somewhere(1000, 1.3);
   const KdTree tree(cloud.positions);
   const std::vector<float> radii(cloud.size(), 0.03f);
   test::expect_equal_for_any_threads([&] {
