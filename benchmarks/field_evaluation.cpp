@@ -9,7 +9,7 @@
 #include <string>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "timing.h"
 
 using namespace sansmesh;

@@ -17,8 +17,8 @@
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/sheets.h"
+#include "sansmesh/partition/edit/partition_edit.h"
+#include "sansmesh/partition/far/sheets.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 

@@ -11,8 +11,8 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/sheets.h"
+#include "sansmesh/partition/edit/partition_edit.h"
+#include "sansmesh/partition/far/sheets.h"
 
 namespace sansmesh::inline v1 {
 namespace {

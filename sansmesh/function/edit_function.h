@@ -9,7 +9,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function_edits.h"
-#include "sansmesh/partition/edit_result.h"
+#include "sansmesh/partition/edit/edit_result.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {

@@ -12,7 +12,7 @@
 #include "sansmesh/core/json_fields-inl.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function_edits.h"
-#include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/partition/edit/partition_edit.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sansmesh/fit_options.h"
 #include "sansmesh/local_frame.h"
-#include "sansmesh/partition/paper_fit.h"
+#include "sansmesh/partition/paper/paper_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"

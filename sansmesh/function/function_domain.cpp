@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/partition/support_patches.h"
+#include "sansmesh/partition/far/support_patches.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/far/global_sign.h"
 #include "sansmesh/points/coverage.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"

@@ -13,7 +13,7 @@
 #include "sansmesh/function/mesh_patches.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/vertex_corners.h"
-#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/far/global_sign.h"
 
 namespace sansmesh::inline v1 {
 namespace {

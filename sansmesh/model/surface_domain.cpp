@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/function/function_domain.h"
-#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/far/global_sign.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/partition/leaf_fit.h"
+#include "sansmesh/partition/fit/leaf_fit.h"
 #include "sansmesh/partition/partition_data.h"
 
 namespace sansmesh::inline v1 {

@@ -9,7 +9,7 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/partition/sample_tree.h"
+#include "sansmesh/partition/fit/sample_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::inline v1 {

@@ -9,7 +9,7 @@
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/partition/local_function.h"
-#include "sansmesh/partition/paper_options.h"
+#include "sansmesh/partition/paper/paper_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {

@@ -14,8 +14,8 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/portable-inl.h"
+#include "sansmesh/partition/fit/sample_tree.h"
 #include "sansmesh/partition/partition_evaluate.h"
-#include "sansmesh/partition/sample_tree.h"
 
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
 #define SANSMESH_PARTITION_EVALUATE_ONCE

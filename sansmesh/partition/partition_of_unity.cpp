@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/far/support_patches.h"
 #include "sansmesh/partition/partition_evaluate.h"
 #include "sansmesh/partition/partition_range.h"
 #include "sansmesh/partition/partition_state.h"
-#include "sansmesh/partition/support_patches.h"
 
 namespace sansmesh::inline v1 {
 

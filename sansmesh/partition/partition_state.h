@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/far/global_sign.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/search/ball_tree.h"
 

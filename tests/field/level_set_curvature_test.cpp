@@ -8,7 +8,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/field/curvature_field.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/formula_field.h"

@@ -1,4 +1,4 @@
-#include "sansmesh/partition/crease_fit.h"
+#include "sansmesh/partition/fit/crease_fit.h"
 
 #include <gtest/gtest.h>
 

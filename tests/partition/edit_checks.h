@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/edit/partition_edit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "support/clouds.h"
 #include "support/same_bytes.h"

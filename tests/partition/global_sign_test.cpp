@@ -1,4 +1,4 @@
-#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/far/global_sign.h"
 
 #include <gtest/gtest.h>
 

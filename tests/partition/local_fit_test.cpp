@@ -1,4 +1,4 @@
-#include "sansmesh/partition/local_fit.h"
+#include "sansmesh/partition/fit/local_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/partition/openness.h"
+#include "sansmesh/partition/far/openness.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "support/clouds.h"
 
 namespace sansmesh::inline v1 {

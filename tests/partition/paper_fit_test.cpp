@@ -1,4 +1,4 @@
-#include "sansmesh/partition/paper_fit.h"
+#include "sansmesh/partition/paper/paper_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "sansmesh/core/morton.h"
 #include "sansmesh/error.h"
-#include "sansmesh/partition/paper_local.h"
+#include "sansmesh/partition/paper/paper_local.h"
 #include "sansmesh/search/brute_force.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"

@@ -1,5 +1,5 @@
 // Supports that change their degree, become constants or are removed: intended changes and invariants.
-#include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/partition/edit/partition_edit.h"
 
 #include <gtest/gtest.h>
 

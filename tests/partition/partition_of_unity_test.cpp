@@ -7,7 +7,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

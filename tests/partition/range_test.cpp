@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/edit/partition_edit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 #include "support/thin_shapes.h"
 
 namespace sansmesh::inline v1 {

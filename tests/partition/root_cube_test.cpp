@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sansmesh/partition/scale_choice.h"
-#include "sansmesh/partition/sorted_samples.h"
+#include "sansmesh/partition/fit/scale_choice.h"
+#include "sansmesh/partition/fit/sorted_samples.h"
 #include "support/clouds.h"
 
 namespace sansmesh::inline v1 {

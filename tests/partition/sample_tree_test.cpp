@@ -1,4 +1,4 @@
-#include "sansmesh/partition/sample_tree.h"
+#include "sansmesh/partition/fit/sample_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "sansmesh/core/morton.h"
-#include "sansmesh/partition/neighbour_walk.h"
+#include "sansmesh/partition/fit/neighbour_walk.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "partition/edit_checks.h"
-#include "sansmesh/partition/sheets.h"
+#include "sansmesh/partition/far/sheets.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/partition/fit/partition_fit.h"
 
 namespace sansmesh::inline v1 {
 namespace {
