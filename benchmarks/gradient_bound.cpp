@@ -13,7 +13,7 @@
 
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/io.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/search/ball_tree.h"
 #include "support/thin_shapes.h"
 

@@ -18,12 +18,12 @@
 #include <vector>
 
 #include "sansmesh/io.h"
-#include "sansmesh/points/face_shape.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sample_faces.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/orientation/orientation.h"
+#include "sansmesh/points/sampling/sample_faces.h"
+#include "sansmesh/points/shape/face_shape.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 #include "timing.h"
 

@@ -14,7 +14,7 @@
 
 #include "sansmesh/io.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/render/surface/surface_picture.h"
 #include "timing.h"

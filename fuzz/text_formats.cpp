@@ -17,7 +17,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/tets/vertex_list.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/cleaning/point_classes.h"
 #include "sansmesh/render/scene/color_words.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/volume_look.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/orientation/orientation.h"
 #include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {

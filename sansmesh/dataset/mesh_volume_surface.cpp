@@ -13,8 +13,8 @@
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/remedies.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
 
 namespace sansmesh::inline v1 {
 namespace {

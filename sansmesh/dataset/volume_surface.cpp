@@ -12,7 +12,7 @@
 #include "sansmesh/dataset/layer_fields.h"
 #include "sansmesh/dataset/volume_layer.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/layer_projection.h"

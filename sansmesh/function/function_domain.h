@@ -8,7 +8,7 @@
 
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/partition/far/global_sign.h"
-#include "sansmesh/points/coverage.h"
+#include "sansmesh/points/statistics/coverage.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"

@@ -14,7 +14,7 @@
 #include "sansmesh/data/reference_system.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
-#include "sansmesh/points/face_shape.h"
+#include "sansmesh/points/shape/face_shape.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -10,11 +10,11 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/repair/weld.h"
-#include "sansmesh/points/close_points.h"
-#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/cleaning/close_points.h"
+#include "sansmesh/points/cleaning/duplicates.h"
 #include "sansmesh/points/ground/classify_ground.h"
-#include "sansmesh/points/poisson_discs.h"
-#include "sansmesh/points/subsample.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
+#include "sansmesh/points/sampling/subsample.h"
 
 namespace sansmesh::inline v1 {
 namespace {

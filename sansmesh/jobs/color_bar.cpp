@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/points/statistics/sample_confidence.h"
 #include "sansmesh/render/volume/transfer_presets.h"
 
 namespace sansmesh::inline v1 {

@@ -19,8 +19,8 @@
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/points_signed_distance.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/render/annotate/picture_notes.h"
 #include "sansmesh/render_options.h"
 

@@ -12,7 +12,7 @@
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/points/statistics/sample_confidence.h"
 #include "sansmesh/render/surface/surface_picture.h"
 #include "sansmesh/surface/curvature_words.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/points/orient_words.h"
+#include "sansmesh/points/orientation/orient_words.h"
 #include "sansmesh/points/prepare_cloud.h"
 
 namespace sansmesh::inline v1 {

@@ -7,7 +7,7 @@
 
 #include "sansmesh/fit_options.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/points/sensor_directions.h"
+#include "sansmesh/points/normals/sensor_directions.h"
 #include "sansmesh/surface_function.h"
 
 namespace sansmesh::inline v1 {

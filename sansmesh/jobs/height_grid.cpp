@@ -16,10 +16,10 @@
 #include "sansmesh/jobs/tile_names.h"
 #include "sansmesh/measure/contours.h"
 #include "sansmesh/measure/mesh_heights.h"
+#include "sansmesh/points/cleaning/point_classes.h"
 #include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/ground/ground_grid.h"
 #include "sansmesh/points/ground/ground_heights.h"
-#include "sansmesh/points/point_classes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -3,8 +3,8 @@
 #include "sansmesh/inspect.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/points.h"
-#include "sansmesh/points/given_normals.h"
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals/given_normals.h"
+#include "sansmesh/points/statistics/noise.h"
 
 #include <fmt/format.h>
 
@@ -17,12 +17,12 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
-#include "sansmesh/points/cloud_shape.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/orient_words.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/point_classes.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/cleaning/duplicates.h"
+#include "sansmesh/points/cleaning/point_classes.h"
+#include "sansmesh/points/orientation/orient_words.h"
+#include "sansmesh/points/orientation/orientation.h"
+#include "sansmesh/points/shape/cloud_shape.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

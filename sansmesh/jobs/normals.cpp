@@ -1,8 +1,8 @@
-#include "sansmesh/points/normals.h"
+#include "sansmesh/points/normals/normals.h"
 #include "sansmesh/option.h"
 #include "sansmesh/points.h"
-#include "sansmesh/points/given_normals.h"
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals/given_normals.h"
+#include "sansmesh/points/statistics/noise.h"
 
 #include <fmt/core.h>
 
@@ -11,10 +11,10 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/orient_words.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/cleaning/duplicates.h"
+#include "sansmesh/points/orientation/orient_words.h"
+#include "sansmesh/points/orientation/orientation.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
 

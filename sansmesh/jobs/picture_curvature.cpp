@@ -7,7 +7,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/points/face_shape.h"
+#include "sansmesh/points/shape/face_shape.h"
 #include "sansmesh/surface/sample_curvature.h"
 #include "sansmesh/surface/vertex_curvature.h"
 

@@ -22,7 +22,7 @@
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
-#include "sansmesh/points/orient_words.h"
+#include "sansmesh/points/orientation/orient_words.h"
 #include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {

@@ -14,7 +14,7 @@
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/points/statistics/sample_confidence.h"
 #include "sansmesh/render/scene/color_words.h"
 #include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"

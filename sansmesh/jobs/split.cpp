@@ -13,8 +13,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/tile_names.h"
 #include "sansmesh/mesh/repair/components.h"
-#include "sansmesh/points/close_points.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/cleaning/close_points.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,9 +8,9 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/sample_faces.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/sampling/sample_faces.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {

@@ -15,7 +15,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {

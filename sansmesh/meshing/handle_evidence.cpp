@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

@@ -15,10 +15,10 @@
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/narrow_handles.h"
-#include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/remedies.h"
-#include "sansmesh/points/sample_colors.h"
-#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/points/sampling/sample_colors.h"
+#include "sansmesh/points/shape/cloud_shape.h"
+#include "sansmesh/points/statistics/sample_confidence.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

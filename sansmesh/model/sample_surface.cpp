@@ -9,10 +9,10 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/image.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/poisson_discs.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/cleaning/duplicates.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {

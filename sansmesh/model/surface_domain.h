@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/coverage.h"
+#include "sansmesh/points/statistics/coverage.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"

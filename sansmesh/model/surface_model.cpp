@@ -14,7 +14,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/model/methods/partition_methods.h"
 #include "sansmesh/model/surface_blocks.h"
-#include "sansmesh/points/sample_colors.h"
+#include "sansmesh/points/sampling/sample_colors.h"
 #include "sansmesh/surface/bilateral_normals.h"
 
 namespace sansmesh::inline v1 {

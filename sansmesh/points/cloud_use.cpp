@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/points/orient_words.h"
+#include "sansmesh/points/orientation/orient_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,8 +9,8 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/face_shape.h"
-#include "sansmesh/points/sensor_directions.h"
+#include "sansmesh/points/normals/sensor_directions.h"
+#include "sansmesh/points/shape/face_shape.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {

@@ -9,7 +9,7 @@
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/statistics/noise.h"
 #include "sansmesh/surface/curvature_choice.h"
 
 namespace sansmesh::inline v1 {

@@ -8,7 +8,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/statistics/noise.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"

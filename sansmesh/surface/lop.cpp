@@ -13,10 +13,10 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/local_frame.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/outliers.h"
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/cleaning/outliers.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/shape/principal_axes.h"
+#include "sansmesh/points/statistics/noise.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/shape/principal_axes.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

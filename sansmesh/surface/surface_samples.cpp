@@ -7,7 +7,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/statistics/noise.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -12,8 +12,8 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
+#include "sansmesh/points/statistics/noise.h"
 #include "sansmesh/search/equal_positions.h"
 #include "sansmesh/surface/curvature_choice.h"
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "sample_files.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/orientation/orientation.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/points.h"
-#include "sansmesh/points/normals.h"
+#include "sansmesh/points/normals/normals.h"
 #include "sansmesh/surface/curvature_colors.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"

@@ -13,7 +13,7 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/repair/components.h"
-#include "sansmesh/points/point_features.h"
+#include "sansmesh/points/registration/point_features.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

@@ -12,7 +12,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"

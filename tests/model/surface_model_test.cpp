@@ -10,8 +10,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"

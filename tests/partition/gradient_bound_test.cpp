@@ -11,7 +11,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "support/places.h"
 #include "support/sanitizers.h"

@@ -1,5 +1,5 @@
 // Detection, report and correction of misaligned scans.
-#include "sansmesh/points/align_scans.h"
+#include "sansmesh/points/registration/align_scans.h"
 
 #include <gtest/gtest.h>
 

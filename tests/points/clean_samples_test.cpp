@@ -1,11 +1,11 @@
-#include "sansmesh/points/clean_samples.h"
+#include "sansmesh/points/cleaning/clean_samples.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/cleaning/duplicates.h"
 #include "support/clouds.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,4 @@
-#include "sansmesh/points/close_points.h"
+#include "sansmesh/points/cleaning/close_points.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/points/subsample.h"
+#include "sansmesh/points/sampling/subsample.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,4 +1,4 @@
-#include "sansmesh/points/cloud_shape.h"
+#include "sansmesh/points/shape/cloud_shape.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/points/coverage.h"
+#include "sansmesh/points/statistics/coverage.h"
 
 #include <gtest/gtest.h>
 

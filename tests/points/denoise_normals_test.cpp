@@ -1,4 +1,4 @@
-#include "sansmesh/points/denoise_normals.h"
+#include "sansmesh/points/normals/denoise_normals.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include "points/shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/sample_faces.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/sampling/sample_faces.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "support/any_threads.h"
 #include "support/edged_shapes.h"
 #include "support/places.h"

@@ -1,4 +1,4 @@
-#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/cleaning/duplicates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/points/face_shape.h"
+#include "sansmesh/points/shape/face_shape.h"
 
 #include <gtest/gtest.h>
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "sansmesh/error.h"
+#include "sansmesh/points/cleaning/point_classes.h"
 #include "sansmesh/points/ground/classify_ground.h"
 #include "sansmesh/points/ground/find_ground.h"
 #include "sansmesh/points/ground/ground_grid.h"
 #include "sansmesh/points/ground/height_raster.h"
-#include "sansmesh/points/point_classes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

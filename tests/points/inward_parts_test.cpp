@@ -1,4 +1,4 @@
-#include "sansmesh/points/inward_parts.h"
+#include "sansmesh/points/orientation/inward_parts.h"
 
 #include <gtest/gtest.h>
 

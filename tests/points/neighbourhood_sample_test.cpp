@@ -1,4 +1,4 @@
-#include "sansmesh/points/neighbourhood_sample.h"
+#include "sansmesh/points/statistics/neighbourhood_sample.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "points/shapes.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

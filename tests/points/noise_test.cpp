@@ -1,9 +1,9 @@
-#include "sansmesh/points/noise.h"
+#include "sansmesh/points/statistics/noise.h"
 
 #include <gtest/gtest.h>
 
 #include "points/shapes.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
 namespace {

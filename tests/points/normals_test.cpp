@@ -1,10 +1,10 @@
-#include "sansmesh/points/normals.h"
+#include "sansmesh/points/normals/normals.h"
 
 #include <gtest/gtest.h>
 
 #include "points/shapes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/shape/principal_axes.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

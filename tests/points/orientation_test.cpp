@@ -1,4 +1,4 @@
-#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/orientation/orientation.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "points/shapes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/sign_graph.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/orientation/sign_graph.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

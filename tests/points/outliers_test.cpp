@@ -1,4 +1,4 @@
-#include "sansmesh/points/outliers.h"
+#include "sansmesh/points/cleaning/outliers.h"
 
 #include <gtest/gtest.h>
 

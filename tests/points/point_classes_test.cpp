@@ -1,4 +1,4 @@
-#include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/cleaning/point_classes.h"
 
 #include <gtest/gtest.h>
 

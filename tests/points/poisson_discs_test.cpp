@@ -1,4 +1,4 @@
-#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/points/statistics/sample_confidence.h"
 
 #include <gtest/gtest.h>
 

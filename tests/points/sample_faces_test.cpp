@@ -1,6 +1,6 @@
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 
-#include "sansmesh/points/face_shape.h"
+#include "sansmesh/points/shape/face_shape.h"
 #include "support/any_threads.h"
 
 #include <gtest/gtest.h>

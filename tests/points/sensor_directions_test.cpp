@@ -1,5 +1,5 @@
 // Directions to the sensor (flight lines, height fields, scanners, depth frames) and orientation of normals by them.
-#include "sansmesh/points/sensor_directions.h"
+#include "sansmesh/points/normals/sensor_directions.h"
 
 #include <gtest/gtest.h>
 
@@ -14,11 +14,11 @@
 #include "points/shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/points/flight_lines.h"
-#include "sansmesh/points/height_field.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/normals/flight_lines.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/orientation/orientation.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/points/shape/height_field.h"
 #include "support/any_threads.h"
 #include "support/places.h"
 #include "support/sanitizers.h"

@@ -1,11 +1,11 @@
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "points/shapes.h"
-#include "sansmesh/points/neighbourhood_sample.h"
+#include "sansmesh/points/statistics/neighbourhood_sample.h"
 #include "sansmesh/search/brute_force.h"
 #include "support/any_threads.h"
 

@@ -1,4 +1,4 @@
-#include "sansmesh/points/winding_sums.h"
+#include "sansmesh/points/orientation/winding_sums.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "sansmesh/io.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"

@@ -11,7 +11,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
 #include "sansmesh/scalar_field.h"
 
 namespace sansmesh::test {

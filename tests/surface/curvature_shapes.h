@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/normals.h"
+#include "sansmesh/points/normals/normals.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::test {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/sampling/sample_faces.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

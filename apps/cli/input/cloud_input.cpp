@@ -10,7 +10,7 @@
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/points/ground/classify_ground.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {

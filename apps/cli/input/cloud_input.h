@@ -10,8 +10,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/cleaning/point_classes.h"
+#include "sansmesh/points/statistics/noise.h"
 
 namespace sansmesh::cli {
 

@@ -10,9 +10,9 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/align/align_fit.h"
-#include "sansmesh/points/point_features.h"
-#include "sansmesh/points/principal_axes.h"
-#include "sansmesh/points/subsample.h"
+#include "sansmesh/points/registration/point_features.h"
+#include "sansmesh/points/sampling/subsample.h"
+#include "sansmesh/points/shape/principal_axes.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

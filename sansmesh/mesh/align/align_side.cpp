@@ -13,11 +13,11 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/poisson_discs.h"
-#include "sansmesh/points/sample_faces.h"
-#include "sansmesh/points/subsample.h"
+#include "sansmesh/points/normals/normals.h"
+#include "sansmesh/points/orientation/orientation.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
+#include "sansmesh/points/sampling/sample_faces.h"
+#include "sansmesh/points/sampling/subsample.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

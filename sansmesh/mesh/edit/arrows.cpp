@@ -9,7 +9,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/sampling/poisson_discs.h"
 
 namespace sansmesh::inline v1 {
 namespace {

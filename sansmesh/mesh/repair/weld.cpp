@@ -10,7 +10,7 @@
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/points/close_points.h"
+#include "sansmesh/points/cleaning/close_points.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/shape/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

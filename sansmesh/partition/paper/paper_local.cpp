@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/morton.h"
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/shape/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,12 +9,12 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/flight_lines.h"
+#include "sansmesh/points/cleaning/point_classes.h"
 #include "sansmesh/points/ground/find_ground.h"
-#include "sansmesh/points/height_field.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/normals/flight_lines.h"
 #include "sansmesh/points/remedies.h"
+#include "sansmesh/points/shape/height_field.h"
+#include "sansmesh/points/statistics/noise.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/image.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/render/scene/corner_normals.h"
 #include "sansmesh/render/scene/lighting.h"
 

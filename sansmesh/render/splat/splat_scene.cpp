@@ -10,7 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/image.h"
 #include "sansmesh/mesh/vertex_corners.h"
-#include "sansmesh/points/principal_axes.h"
+#include "sansmesh/points/shape/principal_axes.h"
 #include "sansmesh/render/scene/lighting.h"
 
 namespace sansmesh::inline v1 {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/points/statistics/noise.h"
+#include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/mpu/spline_weight.h"
