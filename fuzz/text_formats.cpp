@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/volume_dataset.h"
-#include "sansmesh/deform/handle_file.h"
+#include "sansmesh/deform/handles/handle_file.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/flow_options.h"
 #include "sansmesh/function_edits.h"

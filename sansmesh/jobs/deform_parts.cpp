@@ -9,9 +9,9 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
-#include "sansmesh/deform/displacement_map.h"
-#include "sansmesh/deform/folds.h"
-#include "sansmesh/deform/handle_shapes.h"
+#include "sansmesh/deform/handles/handle_shapes.h"
+#include "sansmesh/deform/maps/displacement_map.h"
+#include "sansmesh/deform/maps/folds.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
-#include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/deform/cuts/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"

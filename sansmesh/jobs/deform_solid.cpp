@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
-#include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/deform/cuts/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"

@@ -7,8 +7,8 @@
 
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/resample_volume.h"
-#include "sansmesh/deform/cut_map.h"
-#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/maps/cut_map.h"
+#include "sansmesh/deform/maps/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"

@@ -5,10 +5,10 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform.h"
-#include "sansmesh/deform/displacement_map.h"
-#include "sansmesh/deform/handle_motion.h"
-#include "sansmesh/deform/handle_shapes.h"
-#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/handles/handle_motion.h"
+#include "sansmesh/deform/handles/handle_shapes.h"
+#include "sansmesh/deform/maps/displacement_map.h"
+#include "sansmesh/deform/mls/mls_deformation.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 

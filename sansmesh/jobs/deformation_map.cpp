@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform.h"
-#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/maps/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/io.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sansmesh/core/option_text.h"
-#include "sansmesh/deform/mesh_occluder.h"
-#include "sansmesh/deform/planar_occluder.h"
+#include "sansmesh/deform/cuts/mesh_occluder.h"
+#include "sansmesh/deform/cuts/planar_occluder.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/triangle_mesh.h"

@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/deform.h"
-#include "sansmesh/deform/handle_file.h"
+#include "sansmesh/deform/handles/handle_file.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/grids/read_volume.h"

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/deform/occluder.h"
-#include "sansmesh/deform/planar_occluder.h"
+#include "sansmesh/deform/cuts/occluder.h"
+#include "sansmesh/deform/cuts/planar_occluder.h"
 
 namespace sansmesh::test {
 

@@ -1,4 +1,4 @@
-#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/maps/displacement_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/deform/folds.h"
+#include "sansmesh/deform/maps/folds.h"
 
 #include <gtest/gtest.h>
 

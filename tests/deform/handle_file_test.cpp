@@ -1,4 +1,4 @@
-#include "sansmesh/deform/handle_file.h"
+#include "sansmesh/deform/handles/handle_file.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/deform/handle_shapes.h"
+#include "sansmesh/deform/handles/handle_shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
 #include "support/mesh_checks.h"

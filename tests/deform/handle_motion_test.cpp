@@ -1,4 +1,4 @@
-#include "sansmesh/deform/handle_motion.h"
+#include "sansmesh/deform/handles/handle_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/mls/mls_deformation.h"
 
 namespace sansmesh::test {
 

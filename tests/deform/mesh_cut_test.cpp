@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "deform/cut_support.h"
-#include "sansmesh/deform/mesh_occluder.h"
+#include "sansmesh/deform/cuts/mesh_occluder.h"
 #include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

@@ -1,4 +1,4 @@
-#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/mls/mls_deformation.h"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "deform/cut_support.h"
-#include "sansmesh/deform/mesh_occluder.h"
-#include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/deform/cuts/mesh_occluder.h"
+#include "sansmesh/deform/cuts/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/mesh/mesh_size.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "deform/handle_sets.h"
-#include "sansmesh/deform/deform_setup.h"
-#include "sansmesh/deform/node_fit.h"
-#include "sansmesh/deform/planar_occluder.h"
-#include "sansmesh/deform/weighted_nodes.h"
+#include "sansmesh/deform/cuts/planar_occluder.h"
+#include "sansmesh/deform/mls/deform_setup.h"
+#include "sansmesh/deform/mls/node_fit.h"
+#include "sansmesh/deform/mls/weighted_nodes.h"
 
 namespace sansmesh::test {
 namespace {

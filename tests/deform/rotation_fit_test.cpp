@@ -1,4 +1,4 @@
-#include "sansmesh/deform/rotation_fit.h"
+#include "sansmesh/deform/mls/rotation_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "render/analytic_volumes.h"
 #include "sansmesh/approximation/orthogonal_polynomials.h"
-#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/mls/mls_deformation.h"
 #include "sansmesh/partition/far/global_sign.h"
 #include "sansmesh/partition/fit/local_fit.h"
 #include "sansmesh/partition/fit/partition_fit.h"
