@@ -6,7 +6,7 @@ set(SANSMESH_FIRST
     "^approximation/(orthogonal|polynomial)"
     "^io/([a-z_]+|(points|meshes|laz|e57)/.*)\\.cpp"
     "^mesh/([a-z_]+|edit/(clip|collapse|edge_collapses|simplify|tubes).*|repair/(components|cut_handles|handle_loops|hole_(loops|patch)|self_intersections))\\.cpp"
-    "^polygonize/(crease_edges|editable_surface|extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
+    "^polygonize/(creases/crease_edges|editable_surface|lattice/(extraction|lattice|walk_surface)|polygonize|surface_chain|vertex_placement)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
     "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
     "^jobs/(color_bar|draw_|fit_words|frame_names|height_grid|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points|split|tile_names)"

@@ -13,7 +13,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/polygonize/walk_surface.h"
+#include "sansmesh/polygonize/lattice/walk_surface.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -14,7 +14,7 @@
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/polygonize/space_time_surface.h"
+#include "sansmesh/polygonize/space_time/space_time_surface.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -20,9 +20,9 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/polygonize/crease_blocks.h"
-#include "sansmesh/polygonize/crease_mesh.h"
-#include "sansmesh/polygonize/piece_surface.h"
+#include "sansmesh/polygonize/creases/crease_blocks.h"
+#include "sansmesh/polygonize/creases/crease_mesh.h"
+#include "sansmesh/polygonize/pieces/piece_surface.h"
 
 namespace sansmesh::inline v1 {
 namespace {

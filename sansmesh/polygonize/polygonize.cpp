@@ -9,9 +9,9 @@
 #include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/vertex_corners.h"
-#include "sansmesh/polygonize/crease_edges.h"
-#include "sansmesh/polygonize/extraction.h"
-#include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/creases/crease_edges.h"
+#include "sansmesh/polygonize/lattice/extraction.h"
+#include "sansmesh/polygonize/lattice/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 

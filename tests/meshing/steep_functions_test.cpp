@@ -13,7 +13,7 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_solid.h"
-#include "sansmesh/polygonize/crease_blocks.h"
+#include "sansmesh/polygonize/creases/crease_blocks.h"
 #include "support/sanitizers.h"
 #include "support/thin_shapes.h"
 

@@ -1,5 +1,5 @@
 // Cell polygons compared with the surface in the cell's simplices.
-#include "sansmesh/polygonize/cell_polygons.h"
+#include "sansmesh/polygonize/lattice/cell_polygons.h"
 
 #include <gtest/gtest.h>
 

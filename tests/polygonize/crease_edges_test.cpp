@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/crease_edges.h"
+#include "sansmesh/polygonize/creases/crease_edges.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/crease_mesh.h"
+#include "sansmesh/polygonize/creases/crease_mesh.h"
 #include "sansmesh/mesh_measures.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/crease_thin.h"
+#include "sansmesh/polygonize/creases/crease_thin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/lattice/lattice.h"
 #include "support/sanitizers.h"
 
 #include <gtest/gtest.h>

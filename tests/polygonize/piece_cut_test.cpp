@@ -1,5 +1,5 @@
 // Cuts of minima and maxima of planes are closed, however many planes meet at a point.
-#include "sansmesh/polygonize/piece_cut.h"
+#include "sansmesh/polygonize/pieces/piece_cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/space_time_surface.h"
+#include "sansmesh/polygonize/space_time/space_time_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/polygonize/walk_surface.h"
+#include "sansmesh/polygonize/lattice/walk_surface.h"
 #include "sansmesh/mesh_measures.h"
 
 #include <gtest/gtest.h>

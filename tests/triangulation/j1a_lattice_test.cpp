@@ -1,11 +1,11 @@
-// Agreement of the tables that cut whole blocks (polygonize/lattice.h) with the algebra of single simplices.
+// Agreement of the tables that cut whole blocks (polygonize/lattice/lattice.h) with the algebra of single simplices.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <set>
 
-#include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/lattice/lattice.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 
 namespace sansmesh::inline v1 {
