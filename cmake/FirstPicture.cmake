@@ -9,7 +9,7 @@ set(SANSMESH_FIRST
     "^polygonize/(creases/crease_edges|editable_surface|lattice/(extraction|lattice|walk_surface)|polygonize|surface_chain|vertex_placement)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
     "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
-    "^jobs/(color_bar|draw_|fit_words|frame_names|height_grid|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points|split|tile_names)"
+    "^jobs/(files/(frame_names|normals|split|tile_names)|pictures/(color_bar|draw_|line_picture|picture_(checks|curvature|options|report)|render|splat_points)|surfaces/(fit_words|height_grid|reconstruct))"
     "^(io/grids/geotiff_write|measure/(contours|mesh_heights))\\.cpp"
     "^io/grids/(nek|plot3d)_read"  # told apart from points by name or content
     "^(volume/volume_method|flow/flow_integrator|dynamics/body_integrator)\\.cpp")  # registries that `sansmesh schema` lists

@@ -12,7 +12,7 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/jobs/meshes/solid_parts.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"

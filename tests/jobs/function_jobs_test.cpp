@@ -8,7 +8,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/jobs/meshes/solid_parts.h"
 #include "sansmesh/pictures.h"
 #include "sansmesh/points.h"
 #include "sansmesh/solids.h"

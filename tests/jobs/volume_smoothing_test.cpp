@@ -16,7 +16,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
 #include "sansmesh/io/grids/write_volume.h"
-#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/volumes/volume_state.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {

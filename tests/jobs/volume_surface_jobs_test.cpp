@@ -12,7 +12,7 @@
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
-#include "sansmesh/jobs/volume_series.h"
+#include "sansmesh/jobs/volumes/volume_series.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume_pictures.h"
 #include "sansmesh/volumes.h"

@@ -16,7 +16,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/jobs/cloud_or_mesh.h"
+#include "sansmesh/jobs/files/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
 
 namespace sansmesh::cli {

@@ -1,6 +1,6 @@
 // Command `compare`: maps the distances between a part and its reference.
 #include "sansmesh/inspect.h"
-#include "sansmesh/jobs/cloud_or_mesh.h"
+#include "sansmesh/jobs/files/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
 
 #include <fmt/core.h>

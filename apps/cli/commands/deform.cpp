@@ -13,7 +13,7 @@
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/jobs/files/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {

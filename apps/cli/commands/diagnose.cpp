@@ -13,7 +13,7 @@
 #include "sansmesh/function_edits.h"
 #include "sansmesh/functions.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/jobs/files/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -1,6 +1,6 @@
 // Command `fit`: fits a function to points.
 #include "sansmesh/functions.h"
-#include "sansmesh/jobs/fit_words.h"
+#include "sansmesh/jobs/surfaces/fit_words.h"
 
 #include <fmt/core.h>
 

@@ -9,8 +9,8 @@
 #include "cli/line/schema_options.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/picture_contents.h"
+#include "sansmesh/jobs/pictures/color_bar.h"
+#include "sansmesh/jobs/pictures/picture_contents.h"
 
 namespace sansmesh::cli {
 namespace {

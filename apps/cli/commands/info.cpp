@@ -19,7 +19,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/io/names.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/jobs/files/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "cli/line/schema_options.h"
 #include "cli/report/mesh_words.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/jobs/fit_words.h"
+#include "sansmesh/jobs/surfaces/fit_words.h"
 #include "sansmesh/mesh_options.h"
 
 namespace sansmesh::cli {

@@ -15,7 +15,7 @@
 #include "sansmesh/convert.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/fit_words.h"
+#include "sansmesh/jobs/surfaces/fit_words.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/reconstruct.h"
 

@@ -13,7 +13,7 @@
 #include "cli/line/schema_options.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/jobs/motion_files.h"
+#include "sansmesh/jobs/motion/motion_files.h"
 
 namespace sansmesh::cli {
 namespace {

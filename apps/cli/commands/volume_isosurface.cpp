@@ -15,7 +15,7 @@
 #include "cli/report/mesh_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/jobs/files/frame_names.h"
 
 namespace sansmesh::cli {
 namespace {

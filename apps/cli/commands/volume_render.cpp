@@ -12,7 +12,7 @@
 #include "cli/line/schema_options.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/picture_contents.h"
+#include "sansmesh/jobs/pictures/picture_contents.h"
 #include "sansmesh/volume_look.h"
 #include "sansmesh/volume_pictures.h"
 #include "sansmesh/volumes.h"

@@ -18,7 +18,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/pictures/color_bar.h"
 #include "sansmesh/volume_pictures.h"
 
 namespace sansmesh::cli {

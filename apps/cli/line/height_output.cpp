@@ -14,7 +14,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/points/cloud_files.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/jobs/files/frame_names.h"
 
 namespace sansmesh::cli {
 
