@@ -37,10 +37,13 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
       option<&O::order>({.text = "Order of approximation (amls): 2, 4 or 6", .unit = "order", .needs = "method"}),
       option<&O::spherical>({.text = "Spherical instead of ellipsoidal supports (amls), for comparison; not for "
                                      "uniform and rectilinear grids",
+                             .negative_text = "Ellipsoidal supports that follow the spacing (amls)",
                              .needs = "method"}),
       option<&O::radius>({.text = radius, .range = {.least = 1, .most = 10}, .needs = "method"}),
       option<&O::robust>(
-          {.text = "Robust weights that keep steps between materials sharp (mls-detail)", .needs = "method"}),
+          {.text = "Robust weights that keep steps between materials sharp (mls-detail)",
+           .negative_text = "Weights by distance alone, which blur steps (mls-detail)",
+           .needs = "method"}),
       option<&O::interpolate>({.text = "Pass through the samples (mls, mls-detail)",
                                .from_data = "on",
                                .negative_text = "Take the values of polynomials as printed, which filter noise (mls, "

@@ -16,7 +16,8 @@
 namespace sansmesh::cli {
 
 inline constexpr const char* kReadable =
-    "Reads PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS, VTP and Stanford .conf files, gzipped or not.";
+    "Reads PLY, OBJ, OFF, STL, glTF, XYZ/CSV/TXT/PWN, PCD, LAS, LAZ, COPC, E57, VTP and Stanford .conf files, "
+    "gzipped or not.";
 
 /// Throws ArgumentError with the message unless `ok`.
 void require(bool ok, const char* message);
