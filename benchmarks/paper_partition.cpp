@@ -20,8 +20,8 @@
 #include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/sampling/sample_faces.h"
 #include "sansmesh/progress.h"
 

@@ -117,11 +117,13 @@ void run(const std::string& folder, int runs) {
     SurfaceRenderOptions picture;
     picture.picture.view.width = row.width, picture.picture.view.height = row.height;
     picture.plain = true;
+    CastCounts before;
     const double best = fastest_of(runs, [&] {
-                          caster.reset_counts();
+                          before = caster.counts();
                           render_surface(caster, model.points().positions, nullptr, picture, progress);
                         }).wall;
-    const CastCounts counts = caster.counts();
+    CastCounts counts = caster.counts();
+    counts.hits -= before.hits, counts.hit_evaluations -= before.hit_evaluations;
     std::string name = row.method;
     if (name == "amls") name += "-" + std::to_string(row.iterations) + (row.sharp ? "#" : "");
     double reference = row.thesis_seconds;

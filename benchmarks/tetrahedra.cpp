@@ -26,6 +26,7 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
+#include "support/tet_shapes.h"
 #include "timing.h"
 
 namespace {
@@ -129,15 +130,15 @@ int main(int argc, char** argv) {
   const auto read = [&](const char* file) { return of_size_one(read_tets((folder / file).string()).mesh); };
   std::vector<Subject> subjects;
   try {
-    subjects.push_back({"bar-2523 refined", refine_uniformly(read("bar-2523.msh")), {}});
+    subjects.push_back({"bar-2523 refined", test::refine_uniformly(read("bar-2523.msh")), {}});
     subjects.push_back({"bunny (elephant, 24,106)", read("bunny.msh"), {"900", "539", "541", "48"}});
     subjects.push_back({"dolphin", read("dolphin.msh"), {}});
     subjects.push_back({"box of 24 × 26 × 30 cells (knee, 112,299)",
-                        of_size_one(box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)),
+                        of_size_one(test::box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)),
                         {"169", "119", "119", "22"}});
     subjects.push_back(
-        {"bunny refined (foot, 156,612)", refine_uniformly(read("bunny.msh")), {"220", "149", "149", "12"}});
-    subjects.push_back({"hand refined", refine_uniformly(read("hand.mesh")), {}});
+        {"bunny refined (foot, 156,612)", test::refine_uniformly(read("bunny.msh")), {"220", "149", "149", "12"}});
+    subjects.push_back({"hand refined", test::refine_uniformly(read("hand.mesh")), {}});
   } catch (const Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -1,8 +1,7 @@
 #include "sansmesh/volume_advice.h"
 
 #include <fmt/core.h>
-
-#include "sansmesh/volume/reconstruction.h"
+#include <utility>
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -12,7 +12,6 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
-#include "sansmesh/points/cleaning/duplicates.h"
 #include "sansmesh/points/cleaning/outliers.h"
 #include "sansmesh/points/normals/denoise_normals.h"
 #include "sansmesh/points/normals/given_normals.h"

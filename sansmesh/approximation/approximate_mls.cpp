@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "sansmesh/approximation/generating_matrix.h"
 #include "sansmesh/core/parallel.h"

@@ -25,17 +25,6 @@ constexpr std::array<WeightName, 3> kWeightNames{{{"compact", WeightFunction::kC
                                                   {"wendland", WeightFunction::kWendland},
                                                   {"gaussian", WeightFunction::kGaussian}}};
 
-template <class Names>
-auto of_name(const Names& names, std::string_view name, const char* what) {
-  std::string all;
-  for (const auto& [known, function] : names) {
-    if (known == name) return function;
-    all += (all.empty() ? "" : ", ") + std::string(known);
-  }
-  throw ArgumentError(std::string("approximation: unknown ") + what + " '" + std::string(name) + "' (known: " + all +
-                      ")");
-}
-
 template <class Names, class Function>
 std::string_view name_in(const Names& names, Function function) {
   for (const auto& [name, known] : names)
@@ -59,11 +48,7 @@ bool is_positive(double x) { return x > 0 && std::isfinite(x); }
 
 }  // namespace
 
-RadialFunction radial_function_of_name(std::string_view name) {
-  return of_name(kRadialNames, name, "radial basis function");
-}
 std::string_view name_of(RadialFunction function) { return name_in(kRadialNames, function); }
-WeightFunction weight_function_of_name(std::string_view name) { return of_name(kWeightNames, name, "weight"); }
 std::string_view name_of(WeightFunction function) { return name_in(kWeightNames, function); }
 
 RadialKernel::RadialKernel(RadialFunction function, double scale)

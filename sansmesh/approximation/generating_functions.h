@@ -28,8 +28,6 @@ enum class RadialFunction {
   kWendlandC4            ///< "wendland-c4": (1 − t)⁶₊ (35t² + 18t + 3) / 3, order 0
 };
 
-/// Function of a name given above. The ArgumentError for an unknown name lists all.
-RadialFunction radial_function_of_name(std::string_view name);
 std::string_view name_of(RadialFunction function);
 
 /// One radial basis function with its scale, a length > 0 (interpolants with the first three do not depend on it).
@@ -103,7 +101,6 @@ enum class WeightFunction {
   kWendland,  ///< "wendland": (1 − t)⁴ (4t + 1), two continuous derivatives
   kGaussian   ///< "gaussian": exp(−9t²) − exp(−9), continuous; its slope jumps by 0.2 % of the peak at t = 1
 };
-WeightFunction weight_function_of_name(std::string_view name);
 std::string_view name_of(WeightFunction function);
 /// Weight and slope for a squared distance and a radius > 0.
 RadialValue weight(WeightFunction function, double r2, double radius);

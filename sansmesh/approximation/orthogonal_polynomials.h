@@ -86,9 +86,8 @@ class OrthogonalFit {
   double coefficient(int j) const { return coefficient_[static_cast<std::size_t>(j)]; }
   /// ⟨ψ_j, ψ_j⟩; 0 if dropped.
   double squared_norm(int j) const { return norm_[static_cast<std::size_t>(j)]; }
-  /// α_jl, l < j < size(); exactly 0 below first_alpha(j).
+  /// α_jl, l < j < size(); exactly 0 below the first polynomial that polynomial j is orthogonalised against.
   double alpha(int j, int l) const { return alpha_[row_start(j) + static_cast<std::size_t>(l)]; }
-  int first_alpha(int j) const { return first_[static_cast<std::size_t>(j)]; }
 
   /// √w_i (f_i − g(x_i)), in the order of the samples.
   std::span<const double> weighted_residuals() const { return {residual_.data(), count_}; }

@@ -2,11 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/approximation/generating_functions.h"
 #include "sansmesh/approximation/sample_index.h"

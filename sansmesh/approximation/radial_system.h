@@ -2,9 +2,7 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "sansmesh/approximation/generating_functions.h"
 #include "sansmesh/approximation/polynomial_order.h"

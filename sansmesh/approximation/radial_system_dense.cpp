@@ -1,7 +1,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "sansmesh/approximation/radial_system.h"
 #include "sansmesh/error.h"

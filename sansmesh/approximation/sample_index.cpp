@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 
@@ -105,9 +106,8 @@ double SampleIndex<D>::spacing() const {
     }
   });
   // For D > 1 most samples of a small grid are on its boundary, where neighbours are farther away.
-  const std::size_t rank = distance.size() / (D == 1 ? 2 : 4);
-  std::nth_element(distance.begin(), distance.begin() + static_cast<std::ptrdiff_t>(rank), distance.end());
-  if (distance[rank] > 0) return distance[rank];
+  const double usual = nth_smallest(distance, distance.size() / (D == 1 ? 2 : 4));
+  if (usual > 0) return usual;
   double extent = 0;
   for (std::size_t k = 0; k < D; ++k) extent = std::max(extent, upper_[k] - lower_[k]);
   return extent > 0 ? extent / std::pow(static_cast<double>(n), 1.0 / D) : 1.0;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -30,6 +32,32 @@ template <class T>
 BoxT<T> widened(const BoxT<T>& box, T by) {
   const VecT<T> d{by, by, by};
   return {box.lower - d, box.upper + d};
+}
+
+/// `share`: width of the margin over the diagonal.
+template <class T>
+BoxT<T> with_margin(const BoxT<T>& box, T share) {
+  return widened(box, share * box.diagonal());
+}
+
+/// The points that two boxes have in common.
+template <class T>
+BoxT<T> common_part(const BoxT<T>& a, const BoxT<T>& b) {
+  BoxT<T> part;
+  for (std::size_t k = 0; k < 3; ++k)
+    part.lower[k] = std::max(a.lower[k], b.lower[k]), part.upper[k] = std::min(a.upper[k], b.upper[k]);
+  return part;
+}
+
+/// The smallest box in float that contains a box.
+inline Box3f rounded_outward(const Box3& box) {
+  constexpr float kEnd = std::numeric_limits<float>::infinity();
+  Box3f around{Vec3f(box.lower), Vec3f(box.upper)};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (static_cast<double>(around.lower[k]) > box.lower[k]) around.lower[k] = std::nextafter(around.lower[k], -kEnd);
+    if (static_cast<double>(around.upper[k]) < box.upper[k]) around.upper[k] = std::nextafter(around.upper[k], kEnd);
+  }
+  return around;
 }
 
 /// Bounding box of the finite points of a list.

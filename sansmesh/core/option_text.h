@@ -12,7 +12,10 @@ namespace sansmesh::inline v1 {
 /// Lower-case copy (ASCII).
 std::string lower_case(std::string_view text);
 
-/// Returns the text without leading and trailing blanks.
+/// Upper-case copy (ASCII).
+std::string upper_case(std::string_view text);
+
+/// Returns the text without leading and trailing blanks: spaces, tabs, carriage returns, form feeds and vertical tabs.
 std::string_view without_blanks(std::string_view text);
 
 /// Splits a text at a character; returns one part if the character does not occur.

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <cstdint>
 
 #include "sansmesh/error.h"
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/csg/primitive_faces.h"
 
@@ -15,11 +15,6 @@ namespace {
 constexpr double kBeyond = 0.25;
 /// Share of the error in each of two directions of curvature.
 constexpr double kTwoWays = 0.7;
-
-Box3 grown(const Box3& box, double share) {
-  const double by = share * box.diagonal();
-  return {box.lower - Vec3{by, by, by}, box.upper + Vec3{by, by, by}};
-}
 
 }  // namespace
 
@@ -91,7 +86,7 @@ std::uint32_t FaceBuilder::box(const Vec3& lower, const Vec3& upper, const Simil
 
 /// The ball around the region, in the coordinates of the primitive.
 void FaceBuilder::reach(const Similarity& map, Vec3& center, double& radius) const {
-  const Box3 box = grown(region_, 2 * kBeyond);
+  const Box3 box = with_margin(region_, 2 * kBeyond);
   center = map.back(box.center());
   radius = box.diagonal() / 2 / map.scale;
 }
@@ -169,7 +164,7 @@ SolidOfFaces faces_of(const SolidNode& root, double mesh_error, const Box3& regi
   FaceBuilder builder(mesh_error, region, origin);
   const auto whole = root.faces(builder, {});
   if (builder.unbounded) {
-    const Box3 end = grown(region, kBeyond);
+    const Box3 end = with_margin(region, kBeyond);
     const std::uint32_t inside = builder.box(end.lower, end.upper, {});
     builder.expression.combine(BooleanExpression::Kind::all, {*whole, inside});
   }

@@ -4,7 +4,6 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
-#include <vector>
 
 #include "sansmesh/csg/face_builder.h"
 #include "sansmesh/csg/solid.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
@@ -29,9 +30,7 @@ constexpr std::size_t kSlab = std::size_t{1} << 18;
 /// Indices of these points along a Morton curve.
 std::vector<std::uint64_t> morton_order(std::span<const Vec3> x) {
   constexpr std::uint32_t kCells = 1023;
-  Box3 box;
-  for (const Vec3& p : x)
-    if (is_finite(p)) box.extend(p);
+  const Box3 box = finite_bounds(x);
   Vec3 scale;
   for (std::size_t k = 0; k < 3; ++k) scale[k] = box.size()[k] > 0 ? kCells / box.size()[k] : 0;
   std::vector<std::uint64_t> order(x.size());

@@ -1,6 +1,5 @@
 #include "sansmesh/point_set.h"
 
-#include <algorithm>
 #include <string>
 
 #include "sansmesh/error.h"

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/data/wkt_tree.h"
 #include "sansmesh/error.h"
 
@@ -161,8 +162,7 @@ bool describe_wkt(const WktNode& root, ReferenceSystem& system) {
 
 /// "EPSG:25832", "EPSG:25832+7837".
 std::optional<ReferenceSystem> system_of_code(std::string_view text) {
-  std::string upper;
-  for (const char c : text) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  const std::string upper = upper_case(text);
   for (const std::string_view prefix : {"URN:OGC:DEF:CRS:EPSG::", "EPSG:"}) {
     if (!upper.starts_with(prefix) || upper.size() > 40) continue;
     char* rest = nullptr;

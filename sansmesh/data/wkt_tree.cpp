@@ -1,4 +1,5 @@
 #include "sansmesh/data/wkt_tree.h"
+#include "sansmesh/core/option_text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -27,7 +28,7 @@ class WktParser {
   bool read_root(WktNode& root) {
     std::string word;
     skip_space();
-    return read_word(word) && read_node(std::move(word), 0, root);
+    return read_word(word) && read_node(word, 0, root);
   }
   void skip_space() {
     while (!rest_.empty() && (std::isspace(static_cast<unsigned char>(rest_[0])) != 0 || rest_[0] == '\0'))
@@ -63,10 +64,8 @@ class WktParser {
     }
   }
   /// The part behind the keyword.
-  bool read_node(std::string keyword, int depth, WktNode& node) {
-    std::transform(keyword.begin(), keyword.end(), keyword.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    node.keyword = std::move(keyword);
+  bool read_node(std::string_view keyword, int depth, WktNode& node) {
+    node.keyword = upper_case(keyword);
     if (depth == kDeepestNode || !take("[(")) return false;
     do {
       skip_space();
@@ -79,7 +78,7 @@ class WktParser {
       if (!read_word(word)) return false;
       skip_space();
       if (rest_.starts_with('[') || rest_.starts_with('(')) {
-        if (!read_node(std::move(word), depth + 1, node.children.emplace_back())) return false;
+        if (!read_node(word, depth + 1, node.children.emplace_back())) return false;
       } else {
         node.values.push_back(std::move(word));
       }

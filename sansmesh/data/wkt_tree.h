@@ -1,7 +1,6 @@
 // Well-known text of coordinate reference systems (OGC 01-009, ISO 19162) as a tree.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/names.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -87,7 +87,7 @@ std::string vector_components(std::span<const DatasetArray> arrays) {
         if (!exists(a.name, a.of) || !exists(second, a.of)) continue;
         const bool three = exists(third, a.of);
         // Two numbers alone may be indices.
-        const std::string name = io::lower(a.name);
+        const std::string name = lower_case(a.name);
         if (!three && a.name.size() > 1 && name.find('v') == std::string::npos) continue;
         const int suits = 1 + (name.find("vel") != std::string::npos ? 4 : 0) + (three ? 2 : 0);
         if (suits <= most) continue;

@@ -1,9 +1,14 @@
-#include "sansmesh/dynamics/implicit_step.h"
-
+// A step of implicit Euler (tejada2008, equation 6.43; baraff1998).
 #include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dynamics/block_solver.h"
+#include "sansmesh/dynamics/body_integrator.h"
+#include "sansmesh/dynamics/body_state.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -15,7 +20,45 @@ constexpr int kCalmParts = 4;        ///< successive convergent substeps before 
 constexpr double kRounding = 1e-12;  ///< lower bound of attainable residuals of momentum and forces
 constexpr double kSameLoad = 0.1;    ///< relative change of a load that friction ignores
 
-}  // namespace
+/// Contact of a vertex with an obstacle.
+struct VertexTouch {
+  static constexpr std::int32_t kNone = -1, kHeld = -2;  ///< kHeld: its motion is prescribed
+  std::int32_t obstacle = kNone;
+  bool sliding = false;  ///< else it sticks if there is friction
+  bool settled = false;  ///< has stuck again in this step and is not tested a second time
+  double load = 0;       ///< normal impulse of the obstacle in a step, N s
+  Vec3 drag;             ///< unit direction of friction
+};
+
+class ImplicitStepper : public BodyStepper {
+ public:
+  /// Divides the step where conjugate gradients do not converge. Throws DataError where they never do, or the body
+  /// explodes.
+  void step(BodyState& body, double h, StepReport& report) override;
+  void reset() override { touches_.clear(); }
+
+ private:
+  bool part(BodyState& body, double h, StepReport& report);
+  void set_up(BodyState& body, double h, std::span<const Vec3> held);
+  bool falls() const;  ///< no vertex is held or in contact
+  void keep_momentum();
+  void constrain(const BodyState& body, double h);
+  bool revise_contacts(const BodyState& body, double h);
+  void take_over(BodyState& body, double h, std::span<const Vec3> held, StepReport& report);
+
+  BlockSolver solver_;
+  std::vector<double> diagonal_;
+  std::vector<Vec3> force_;     ///< elastic forces
+  std::vector<Vec3> external_;  ///< impulse of all other forces
+  std::vector<Vec3> momentum_;
+  std::vector<Vec3> base_;      ///< right-hand side without friction
+  std::vector<Vec3> right_;     ///< right-hand side with friction
+  std::vector<Vec3> wanted_;    ///< velocities at the end
+  std::vector<Vec3> reaction_;  ///< impulses of constraints
+  std::vector<VertexConstraint> constraints_;
+  std::vector<VertexTouch> touches_, touches_before_;
+  int level_ = 0, calm_ = 0;  ///< halvings of the next substep; substeps since a failure
+};
 
 /// The system for the velocities at the end, (M − h ∂f/∂v − h² ∂f/∂x) (v + Δv) = M v + h f with f without damping:
 /// tejada2008, equation 6.43, for Δv plus the matrix times v on both sides.
@@ -250,8 +293,6 @@ void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
   }
   report.time = body.time;
 }
-
-namespace {
 
 constexpr BodyIntegrator kImplicit[] = {
     {.name = "implicit-euler",

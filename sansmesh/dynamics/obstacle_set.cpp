@@ -1,7 +1,5 @@
 #include "sansmesh/dynamics/obstacle_set.h"
 
-#include <algorithm>
-
 namespace sansmesh::inline v1 {
 
 ObstacleSet::ObstacleSet(const DynamicsScene& scene) : floors_(scene.floors), spheres_(scene.spheres) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "sansmesh/points/shape/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -15,52 +18,17 @@ Turn turned_by(const Turn& q, const Vec3& w) {
   return {r.w * scale, r.x * scale, r.y * scale, r.z * scale};
 }
 
-/// Eigenvalues and unit eigenvectors of a symmetric matrix (a by columns), by Jacobi rotations.
-struct Eigenpairs {
-  Vec3 values;
-  std::array<Vec3, 3> vectors{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-};
-
-Eigenpairs eigenpairs_of(std::array<Vec3, 3> a) {
-  Eigenpairs found;
-  auto& v = found.vectors;
-  for (int sweep = 0; sweep < 12; ++sweep) {
-    for (std::size_t p = 0; p < 2; ++p) {
-      for (std::size_t q = p + 1; q < 3; ++q) {
-        if (a[q][p] == 0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2 * a[q][p]);
-        const double t = std::copysign(1 / (std::abs(theta) + std::sqrt(theta * theta + 1)), theta);
-        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double x = a[p][k], y = a[q][k];
-          a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double x = a[k][p], y = a[k][q];
-          a[k][p] = c * x - s * y, a[k][q] = s * x + c * y;
-        }
-        const Vec3 x = v[p], y = v[q];
-        v[p] = x * c - y * s, v[q] = x * s + y * c;
-      }
-    }
-  }
-  found.values = {a[0].x, a[1].y, a[2].z};
-  return found;
-}
-
 /// Ascent step where the second derivative is not negative definite: Newton's step with absolute curvatures, and away
 /// from a saddle along the axis of largest gain. Zero on a ridge, which is a maximum.
 Vec3 step_uphill(const std::array<Vec3, 3>& curvature, const Vec3& g, double size) {
-  const Eigenpairs pairs = eigenpairs_of(curvature);
+  const auto& [x, y, z] = curvature;
+  const PrincipalAxes pairs = principal_axes({x.x, y.x, z.x, y.y, z.y, z.z});
   Vec3 w;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double along = dot(pairs.vectors[k], g), bend = std::abs(pairs.values[k]);
-    if (std::abs(along) > 1e-15 * size) w += pairs.vectors[k] * (along / std::max(bend, std::abs(along)));
+    const double along = dot(pairs.axes[k], g), bend = std::abs(pairs.values[k]);
+    if (std::abs(along) > 1e-15 * size) w += pairs.axes[k] * (along / std::max(bend, std::abs(along)));
   }
-  const std::size_t worst = pairs.values.x <= pairs.values.y && pairs.values.x <= pairs.values.z ? 0
-                            : pairs.values.y <= pairs.values.z                                   ? 1
-                                                                                                 : 2;
-  if (squared_norm(w) < 1e-6 && pairs.values[worst] < -1e-14 * size) w = pairs.vectors[worst] * 0.7;
+  if (squared_norm(w) < 1e-6 && pairs.values.x < -1e-14 * size) w = pairs.axes[0] * 0.7;
   return w;
 }
 

@@ -1,9 +1,6 @@
 // Rotation of a deformation gradient by polar decomposition.
 #pragma once
 
-#include <array>
-#include <cmath>
-
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/vec.h"
 

@@ -1,7 +1,6 @@
 // Mass-spring model: every edge is a spring (tejada2008, 6.4.5, equations 6.35 to 6.39).
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "sansmesh/dynamics/elastic_model.h"

@@ -1,6 +1,5 @@
 #include "sansmesh/dynamics/tet_embedding.h"
 
-#include <cmath>
 #include <string>
 
 #include "sansmesh/core/matrix3.h"

@@ -1,13 +1,10 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -22,40 +19,11 @@ double longest_edge(const Tet& t, std::span<const Vec3> x) {
   return longest;
 }
 
-/// The eight tetrahedra of one, given by its corners 0..3 and the midpoints 4..9 of its edges; `diagonal` selects two
-/// opposite midpoints.
-struct EightTets {
-  std::array<std::array<int, 4>, 8> tets;
-};
-
-EightTets eight_tets(int diagonal) {
-  // Midpoints: 4 of 01, 5 of 02, 6 of 03, 7 of 12, 8 of 13, 9 of 23. Opposite pairs: 4 and 9, 5 and 8, 6 and 7; the
-  // other four surround each diagonal.
-  constexpr int kEnds[3][2] = {{4, 9}, {5, 8}, {6, 7}};
-  constexpr int kRing[3][4] = {{5, 7, 8, 6}, {4, 7, 9, 6}, {4, 8, 9, 5}};
-  EightTets eight{{{{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}}}};
-  for (int k = 0; k < 4; ++k) {
-    eight.tets[static_cast<std::size_t>(4 + k)] = {kEnds[diagonal][0], kEnds[diagonal][1], kRing[diagonal][k],
-                                                   kRing[diagonal][(k + 1) % 4]};
-  }
-  return eight;
-}
-
 }  // namespace
 
 double tet_volume(const Tet& t, std::span<const Vec3> x) {
   const Vec3 a = x[t[0]];
   return dot(x[t[1]] - a, cross(x[t[2]] - a, x[t[3]] - a)) / 6;
-}
-
-TetMesh turned_outward(TetMesh mesh, std::size_t* turned) {
-  std::size_t count = 0;
-  for (Tet& t : mesh.tets) {
-    const bool known = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < mesh.vertices.size(); });
-    if (known && tet_volume(t, mesh.vertices) < 0) std::swap(t[2], t[3]), ++count;
-  }
-  if (turned) *turned = count;
-  return mesh;
 }
 
 void check_tets(const TetMesh& mesh) {
@@ -83,41 +51,6 @@ void check_tets(const TetMesh& mesh) {
       throw DataError(name() + "has no volume: leave it out, or improve the mesh");
     }
   }
-}
-
-TetMesh refine_uniformly(const TetMesh& mesh) {
-  std::vector<std::uint64_t> keys(6 * mesh.tets.size());
-  parallel_for(0, mesh.tets.size(), 4096, [&](std::size_t k) {
-    const Tet& t = mesh.tets[k];
-    for (std::size_t e = 0; e < 6; ++e) keys[6 * k + e] = edge_key(t[kTetEdges[e][0]], t[kTetEdges[e][1]]);
-  });
-  parallel_sort(keys);
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-
-  TetMesh fine;
-  fine.vertices.reserve(mesh.vertices.size() + keys.size());
-  fine.vertices = mesh.vertices;
-  for (const std::uint64_t key : keys) {
-    fine.vertices.push_back((mesh.vertices[smaller_end(key)] + mesh.vertices[larger_end(key)]) * 0.5);
-  }
-  fine.tets.resize(8 * mesh.tets.size());
-  parallel_for(0, mesh.tets.size(), 1024, [&](std::size_t k) {
-    std::uint32_t v[10];
-    std::copy(mesh.tets[k].begin(), mesh.tets[k].end(), v);
-    for (std::size_t e = 0; e < 6; ++e) {
-      const auto at = std::lower_bound(keys.begin(), keys.end(), edge_key(v[kTetEdges[e][0]], v[kTetEdges[e][1]]));
-      v[4 + e] = static_cast<std::uint32_t>(mesh.vertices.size() + static_cast<std::size_t>(at - keys.begin()));
-    }
-    const auto length = [&](int a, int b) { return squared_norm(fine.vertices[v[a]] - fine.vertices[v[b]]); };
-    const double lengths[3] = {length(4, 9), length(5, 8), length(6, 7)};
-    const auto eight = eight_tets(static_cast<int>(std::min_element(lengths, lengths + 3) - lengths));
-    for (std::size_t c = 0; c < 8; ++c) {
-      Tet& t = fine.tets[8 * k + c];
-      for (std::size_t i = 0; i < 4; ++i) t[i] = v[eight.tets[c][i]];
-      if (tet_volume(t, fine.vertices) < 0) std::swap(t[2], t[3]);
-    }
-  });
-  return fine;
 }
 
 std::vector<Triangle> boundary_faces(const TetMesh& mesh, std::vector<std::uint32_t>* owners) {
@@ -177,37 +110,6 @@ TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::ve
   }
   if (sources) *sources = std::move(used);
   return surface;
-}
-
-TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::size_t ny, std::size_t nz) {
-  TetMesh mesh;
-  const Vec3 size = upper - lower;
-  for (std::size_t k = 0; k <= nz; ++k) {
-    for (std::size_t j = 0; j <= ny; ++j) {
-      for (std::size_t i = 0; i <= nx; ++i) {
-        mesh.vertices.push_back(lower + Vec3{size.x * static_cast<double>(i) / static_cast<double>(nx),
-                                             size.y * static_cast<double>(j) / static_cast<double>(ny),
-                                             size.z * static_cast<double>(k) / static_cast<double>(nz)});
-      }
-    }
-  }
-  const std::size_t stride[3] = {1, nx + 1, (nx + 1) * (ny + 1)};
-  // Kuhn's six tetrahedra: along the edges from corner to corner, for each order of the axes.
-  constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-  for (std::size_t k = 0; k < nz; ++k) {
-    for (std::size_t j = 0; j < ny; ++j) {
-      for (std::size_t i = 0; i < nx; ++i) {
-        for (int o = 0; o < 6; ++o) {
-          std::size_t at = i + stride[1] * j + stride[2] * k;
-          Tet t{static_cast<std::uint32_t>(at)};
-          for (std::size_t c = 0; c < 3; ++c) t[c + 1] = static_cast<std::uint32_t>(at += stride[kOrders[o][c]]);
-          if (o >= 3) std::swap(t[2], t[3]);
-          mesh.tets.push_back(t);
-        }
-      }
-    }
-  }
-  return mesh;
 }
 
 }  // namespace sansmesh::inline v1

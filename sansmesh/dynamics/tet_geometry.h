@@ -1,8 +1,7 @@
-// Tetrahedral meshes: validation, volume, boundary, refinement.
+// Tetrahedral meshes: validation, volume, boundary.
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,19 +38,10 @@ inline Matrix3 tet_jacobian(const Tet& t, const std::array<Vec3, 3>& gradients, 
           a * g[0].z + b * g[1].z + d * g[2].z};
 }
 
-/// The same mesh with positive volumes, because some writers use the opposite order of corners, some even within a
-/// file. `turned`, if given, receives the number of tetrahedra whose last two corners were exchanged.
-TetMesh turned_outward(TetMesh mesh, std::size_t* turned = nullptr);
-
 /// Throws DataError that names the tetrahedron or vertex (counted from 0), the cause and a remedy: no tetrahedra,
 /// positions that are not finite, indices out of range, repeated vertices, volumes that are negative (inverted) or zero
 /// (below 1e-12 of the longest edge's cube).
 void check_tets(const TetMesh& mesh);
-
-/// Divides each tetrahedron into eight at the midpoints of its edges: four at the corners, and the octahedron between
-/// them along its shortest diagonal. The mesh's vertices come first, then the midpoints. Attributes are dropped.
-/// Tetrahedra 8 t .. 8 t + 7 come from t.
-TetMesh refine_uniformly(const TetMesh& mesh);
 
 /// The faces of exactly one tetrahedron, counter-clockwise seen from outside, by ascending tetrahedron. `owners`, if
 /// given, receives the tetrahedron of each.
@@ -60,9 +50,5 @@ std::vector<Triangle> boundary_faces(const TetMesh& mesh, std::vector<std::uint3
 /// The boundary as a mesh: only vertices of boundary faces, in ascending order, at `x` (one per vertex of the mesh),
 /// relative to the centre of their box. `sources`, if given, receives the index in `mesh` of each vertex.
 TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::vector<std::uint32_t>* sources = nullptr);
-
-/// A box from `lower` to `upper` divided into nx × ny × nz cells of six tetrahedra each; vertex (i, j, k) has index i +
-/// (nx + 1) (j + (ny + 1) k).
-TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::size_t ny, std::size_t nz);
 
 }  // namespace sansmesh::inline v1

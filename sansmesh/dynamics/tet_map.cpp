@@ -11,7 +11,6 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/tet_geometry.h"
-#include "sansmesh/dynamics/vertex_graph.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/space_order.h"
@@ -58,14 +57,6 @@ bool within(const BoxNode& node, std::size_t c, const Box3f& box) {
     if (!(node.lower[k][c] >= box.lower[k] && node.upper[k][c] <= box.upper[k])) return false;
   }
   return true;
-}
-
-Box3 common(const Box3& a, const Box3& b) {
-  Box3 c;
-  for (std::size_t k = 0; k < 3; ++k) {
-    c.lower[k] = std::max(a.lower[k], b.lower[k]), c.upper[k] = std::min(a.upper[k], b.upper[k]);
-  }
-  return c;
 }
 
 }  // namespace
@@ -125,14 +116,14 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
     } else {
       // Image of the intersection of the box and the tetrahedron's bounds, clipped to the tetrahedron's image.
       const Affine& a = affines[child];
-      const Box3 part = common(box, a.from);
+      const Box3 part = common_part(box, a.from);
       if (part.empty()) continue;
       Box3 image;
       for (int k = 0; k < 8; ++k) {
         const Vec3 d = box_corner(part, k) - a.corner;
         image.extend(a.image + a.jacobian[0] * d.x + a.jacobian[1] * d.y + a.jacobian[2] * d.z);
       }
-      found.extend(common(image, a.to));
+      found.extend(common_part(image, a.to));
     }
   }
 }

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "sansmesh/space_map.h"
 #include "sansmesh/tet_mesh.h"

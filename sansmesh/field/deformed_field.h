@@ -1,12 +1,10 @@
 // Field deformed by a map of space, without resampling (tejada2008, 6.4; docs/methods/deformation.md).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/field/piecewise_field.h"

@@ -1,6 +1,5 @@
 #include "sansmesh/query.h"
 
-#include <string>
 #include <vector>
 
 #include "sansmesh/error.h"

@@ -12,6 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
+constexpr std::size_t kNodes = 33;        // along the longest side of the box
 constexpr std::size_t kFacePoints = 33;   // per edge of a face
 constexpr std::size_t kBoxCells = 32;     // per edge of the box
 constexpr std::size_t kStretchBlock = 6;  // nodes per axis with a common range
@@ -97,12 +98,12 @@ double largest_stretch(const Jacobian& j) {
   return std::sqrt(std::max(0.0, mean + 2 * p * std::cos(std::acos(r) / 3)));
 }
 
-MapStretch::MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes) : box_(box) {
+MapStretch::MapStretch(const SpaceMap& map, const Box3& box) : box_(box) {
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
   for (std::size_t k = 0; k < 3; ++k) {
-    const double cells = longest > 0 ? std::ceil(static_cast<double>(nodes - 1) * size[k] / longest - 1e-9) : 0;
-    counts_[k] = 1 + index_in<std::size_t>(cells, size[k] > 0 ? 1 : 0, nodes);
+    const double cells = longest > 0 ? std::ceil(static_cast<double>(kNodes - 1) * size[k] / longest - 1e-9) : 0;
+    counts_[k] = 1 + index_in<std::size_t>(cells, size[k] > 0 ? 1 : 0, kNodes);
     inverse_[k] = size[k] > 0 ? static_cast<double>(counts_[k] - 1) / size[k] : 0;
   }
   std::vector<Vec3> x;

@@ -18,8 +18,8 @@ double largest_stretch(const Jacobian& j);
 /// positive. Where the map is undefined, it is the median of the defined nodes.
 class MapStretch {
  public:
-  /// `box` must be finite. `nodes` is the number of nodes along its longest side, 2..256.
-  MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes = 33);
+  /// `box` must be finite.
+  MapStretch(const SpaceMap& map, const Box3& box);
 
   /// Stretch at x, and optionally its gradient.
   double at(const Vec3& x, Vec3* gradient = nullptr) const;

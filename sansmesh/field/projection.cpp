@@ -1,6 +1,5 @@
 #include "sansmesh/field/projection.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace sansmesh::inline v1 {

@@ -1,6 +1,5 @@
 // FlowFronts: removal of particles, points and triangles.
 #include <algorithm>
-#include <cmath>
 
 #include "sansmesh/flow/flow_fronts.h"
 

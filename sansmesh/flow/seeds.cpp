@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -17,17 +18,11 @@ constexpr double kMostSeeds = 1e8;
   throw ArgumentError("seeds \"" + printable(text, 200) + "\": " + printable(why, 400));
 }
 
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t')) s.remove_suffix(1);
-  return s;
-}
-
 std::vector<double> numbers_of(std::string_view text, std::string_view inside, std::size_t count, const char* form) {
   std::vector<double> numbers;
   while (!inside.empty()) {
     const std::size_t comma = inside.find(',');
-    const std::string_view word = trimmed(inside.substr(0, comma));
+    const std::string_view word = without_blanks(inside.substr(0, comma));
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
@@ -78,8 +73,8 @@ Seeds one_shape(std::string_view text, const Box3& bounds) {
   const std::size_t open = text.find('(');
   if (open == std::string_view::npos || text.back() != ')')
     fail(text, "must be a shape such as line(0,0,0, 1,0,0, 50) or points(FILE)");
-  const std::string_view name = trimmed(text.substr(0, open));
-  const std::string_view inside = trimmed(text.substr(open + 1, text.size() - open - 2));
+  const std::string_view name = without_blanks(text.substr(0, open));
+  const std::string_view inside = without_blanks(text.substr(open + 1, text.size() - open - 2));
   Seeds seeds;
   if (name == "points" || name == "mesh" || name == "curve" || name == "loop") {
     if (inside.empty()) fail(text, "names no file");
@@ -139,7 +134,7 @@ Seeds parse_seeds(std::string_view text, const Box3& bounds) {
   std::string_view rest = text;
   while (true) {
     const std::size_t end = rest.find(';');
-    const std::string_view part = trimmed(rest.substr(0, end));
+    const std::string_view part = without_blanks(rest.substr(0, end));
     if (part.empty()) fail(text, "a shape is missing");
     Seeds one = one_shape(part, bounds);
     if (++parts == 1) {

@@ -8,7 +8,6 @@
 #include <functional>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"

@@ -1,7 +1,6 @@
 #include "sansmesh/function/diagnose_function.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>

@@ -1,13 +1,6 @@
 // Finds doubtful regions of a fitted function and proposes edits that repair them.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/option.h"

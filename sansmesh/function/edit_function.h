@@ -1,9 +1,6 @@
 // Editing of fitted functions in input coordinates: selection, replacement and undo.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <variant>
 #include <vector>
 
 #include "sansmesh/box.h"

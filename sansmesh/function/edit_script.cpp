@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string_view>
 
 #include "sansmesh/core/json_fields-inl.h"
 #include "sansmesh/error.h"

@@ -4,7 +4,6 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/partition/far/global_sign.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -131,8 +132,7 @@ struct MeshField::Parts {
             std::max(longest[t], norm(position(patches.triangles[t][(k + 1) % 3]) - position(patches.triangles[t][k])));
     // Large faces count as several, because each is approximated by a point.
     std::vector<double> sorted = longest;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-    double size = std::max(kUsualSize * sorted[n / 2], 1e-4 * diagonal);
+    double size = std::max(kUsualSize * median(sorted), 1e-4 * diagonal);
     const auto cuts = [&](std::size_t t) { return std::max(1.0, std::ceil(longest[t] / size)); };
     for (double count = 2 * static_cast<double>(kMostSeen + n); count > static_cast<double>(kMostSeen + n);) {
       count = 0;

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"

@@ -67,7 +67,7 @@ void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uin
 
 }  // namespace
 
-Animation::Animation(double frames_per_second, unsigned loops) : rate_(frames_per_second), loops_(loops) {
+Animation::Animation(double frames_per_second) : rate_(frames_per_second) {
   if (!(frames_per_second >= 0.01 && frames_per_second <= 1000)) throw ArgumentError("`fps` must be in 0.01..1000");
 }
 
@@ -130,7 +130,7 @@ void Animation::write(const std::string& file) const {
   put_chunk(bytes, "IHDR", chunk);
   chunk.clear();
   put_whole(chunk, static_cast<std::uint32_t>(frames_.size()));
-  put_whole(chunk, loops_);
+  put_whole(chunk, 0);  // repeated endlessly
   put_chunk(bytes, "acTL", chunk);
   std::uint32_t sequence = 0;
   // Seconds as a fraction of 16 bits each.

@@ -15,8 +15,8 @@ namespace sansmesh::inline v1 {
 /// support show the first picture. Pictures are compressed as they are added; only the part that changes is stored.
 class Animation {
  public:
-  /// `loops`: number of repetitions, 0: endless. Throws ArgumentError unless `fps` is in 0.01..1000.
-  explicit Animation(double fps, unsigned loops = 0);
+  /// Repeated endlessly. Throws ArgumentError unless `fps` is in 0.01..1000.
+  explicit Animation(double fps);
   /// All pictures must have the size of the first, and be opaque if the first is. Throws ArgumentError.
   void add(const Image& picture);
   std::size_t size() const { return frames_.size(); }
@@ -29,7 +29,6 @@ class Animation {
     std::string packed;
   };
   double rate_;
-  unsigned loops_;
   std::uint32_t width_ = 0, height_ = 0;
   bool opaque_ = true;
   std::vector<std::array<std::uint8_t, 4>> last_;

@@ -6,10 +6,8 @@
 
 namespace sansmesh::inline v1::io {
 
-std::string lower(std::string_view s) { return lower_case(s); }
-
 std::string ending(const std::string& file) {
-  std::string name = lower(std::filesystem::path(file).filename().string());
+  std::string name = lower_case(std::filesystem::path(file).filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   const std::size_t dot = name.rfind('.');
   return dot == std::string::npos ? std::string() : name.substr(dot + 1);

@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/index_in.h"
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -64,7 +64,7 @@ void write_whole(const std::string& file, const std::vector<std::string>& parts)
 
 void write_parts(const std::string& file, const PartViews& parts) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
-  if (lower(file).ends_with(".gz")) return write_bytes(file, views(gzip(file, parts)));
+  if (lower_case(file).ends_with(".gz")) return write_bytes(file, views(gzip(file, parts)));
   write_bytes(file, parts);
 }
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_destination.h"
 #include "sansmesh/io/text_scanner.h"
@@ -19,7 +19,7 @@ constexpr std::string_view kUnknown = "unknown";
 
 std::string name_beside(const std::string& file) {
   std::filesystem::path path(file);
-  if (lower(path.extension().string()) == ".gz") path.replace_extension();
+  if (lower_case(path.extension().string()) == ".gz") path.replace_extension();
   return path.replace_extension(".prj").string();
 }
 
@@ -43,7 +43,7 @@ bool has_records(const FormatInfo& format) {
 /// Whether programs that read such a file know WKT only. Its ending has two parts, of which the last is another
 /// format's.
 bool needs_text(const std::string& file) {
-  const std::string name = lower(file);
+  const std::string name = lower_case(file);
   const std::vector<const FormatInfo*> all = formats();
   return std::any_of(all.begin(), all.end(), [&](const FormatInfo* f) {
     return f->system_capacity == SystemCapacity::records_of_text && name.ends_with("." + std::string(f->endings));

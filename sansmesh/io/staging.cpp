@@ -6,8 +6,8 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <string>
 
-#include <algorithm>
 #include <atomic>
 #include <ctime>
 #include <fstream>

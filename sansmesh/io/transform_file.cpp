@@ -1,6 +1,5 @@
 #include "sansmesh/io/transform_file.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 

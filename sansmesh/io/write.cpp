@@ -8,6 +8,7 @@
 #include <span>
 
 #include "sansmesh/core/length_limits.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
@@ -48,7 +49,7 @@ bool must_state_unknown(const FormatInfo& format, const std::string& file, const
 
 /// The format with a writer of that kind for a file name. Throws FileError.
 const FormatInfo& find_writer(FormatContent content, const std::string& file, const std::string& kind) {
-  std::string name = "." + io::lower(std::filesystem::path(file).filename().string());
+  std::string name = "." + lower_case(std::filesystem::path(file).filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   // Endings may have several parts: .copc.laz is another format than .laz.
   const FormatInfo* found = nullptr;

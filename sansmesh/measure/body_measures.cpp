@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"

@@ -1,11 +1,6 @@
 // Measures of solids: area, volume, centre of mass, moments of inertia, smallest box.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <vector>
-
 #include "sansmesh/box.h"
 #include "sansmesh/measure/smallest_box.h"
 #include "sansmesh/solid_measures.h"

@@ -76,7 +76,7 @@ class LevelLines {
       if (at->second.count < 2) at->second.of[static_cast<std::size_t>(at->second.count++)] = to;
     }
   }
-  Vec3f place(EdgeKey edge) const {
+  Vec3f point_on(EdgeKey edge) const {
     const auto width = static_cast<EdgeKey>(grid_.heights.width);
     const int c = static_cast<int>(edge / 2 % width), r = static_cast<int>(edge / 2 / width);
     const bool south = edge % 2 != 0;
@@ -90,7 +90,7 @@ class LevelLines {
     while (true) {
       Neighbours& n = neighbours_.at(at);
       n.used = true;
-      lines.positions.push_back(place(at));
+      lines.positions.push_back(point_on(at));
       const EdgeKey* next = nullptr;
       for (int k = 0; k < n.count && !next; ++k)
         if (!neighbours_.at(n.of[static_cast<std::size_t>(k)]).used) next = &n.of[static_cast<std::size_t>(k)];
@@ -98,7 +98,7 @@ class LevelLines {
       at = *next;
     }
     const Neighbours &first = neighbours_.at(start), &last = neighbours_.at(at);
-    if (first.count == 2 && last.count == 2 && at != start) lines.positions.push_back(place(start));
+    if (first.count == 2 && last.count == 2 && at != start) lines.positions.push_back(point_on(start));
   }
 
   const HeightGrid& grid_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <string>
 
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/index_in.h"

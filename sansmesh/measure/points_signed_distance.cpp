@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -17,9 +18,7 @@ constexpr double kFarEnough = 40;
 
 PointsDistance::PointsDistance(const TriangleMesh& points) : points_(points), tree_(points.vertices) {
   if (tree_.size() == 0) throw DataError("no points to measure distances to");
-  Box3f box;
-  for (const Vec3f& p : points.vertices)
-    if (is_finite(p)) box.extend(p);
+  const Box3f box = finite_bounds(points.vertices);
   bounds_ = {points.origin + Vec3(box.lower), points.origin + Vec3(box.upper)};
   if (points.normals.empty()) return;
   radius_.resize(points.vertices.size());

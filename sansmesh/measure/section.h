@@ -1,7 +1,6 @@
 // Cross-sections of surfaces with planes.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>

@@ -214,15 +214,6 @@ std::vector<std::array<double, 2>> zeros(const ScalarField& field, const PlaneLa
   return points;
 }
 
-Box3 common_box(const Box3& a, const Box3& b) {
-  Box3 box;
-  for (std::size_t k = 0; k < 3; ++k) {
-    box.lower[k] = std::max(a.lower[k], b.lower[k]);
-    box.upper[k] = std::min(a.upper[k], b.upper[k]);
-  }
-  return box;
-}
-
 }  // namespace
 
 void FieldSectionOptions::validate() const {
@@ -234,7 +225,7 @@ void FieldSectionOptions::validate() const {
 
 Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options) {
   options.validate();
-  const Box3 box = options.box ? common_box(field.bounds(), *options.box) : field.bounds();
+  const Box3 box = options.box ? common_part(field.bounds(), *options.box) : field.bounds();
   Section none;
   none.plane = plane;
   if (box.empty()) return none;

@@ -1,13 +1,11 @@
-#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -21,15 +19,11 @@ struct QualitySums {
   double n = 0, aspect = 0, aspect_squares = 0, aspect_max = 0, angles = 0, angle_min = 180, small = 0, edges = 0;
 };
 
-double aspect_of(double x, double y, double z, double area) {
-  return std::max({x, y, z}) * (x + y + z) / (4 * std::numbers::sqrt3 * area);
-}
-
 void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, QualitySums& sums) {
   const double area = triangle_area(a, b, c);
   const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
   if (!(area > 0) || !std::isfinite(area)) return;
-  const double aspect = std::min(kLargestAspect, aspect_of(x, y, z, area));
+  const double aspect = std::min(kLargestAspect, std::max({x, y, z}) * (x + y + z) / (4 * std::numbers::sqrt3 * area));
   // The smallest angle is opposite the shortest edge; the tangent is accurate where the cosine is flat.
   const double shortest = std::min({x, y, z});
   const Vec3 u = shortest == x ? a - c : shortest == y ? b - a : c - b;
@@ -58,12 +52,6 @@ QualitySums combine_quality(QualitySums a, const QualitySums& b) {
 }
 
 }  // namespace
-
-double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double area = triangle_area(a, b, c);
-  if (!(area > 0)) return std::numeric_limits<double>::infinity();
-  return aspect_of(norm(b - a), norm(c - b), norm(a - c), area);
-}
 
 MeshQuality measure_quality(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();

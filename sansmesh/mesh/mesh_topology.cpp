@@ -1,7 +1,6 @@
 #include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 #include <vector>

@@ -2,7 +2,6 @@
 // them so that no array is missed. Callers update the triangles.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/csg/face_builder.h"
 #include "sansmesh/error.h"

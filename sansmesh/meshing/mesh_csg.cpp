@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
@@ -92,10 +93,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<
     if (detail > 0) reached.detail = std::min(reached.detail, detail);
   }
   if (reached.box.empty()) throw DataError("the solid is empty");
-  for (std::size_t k = 0; k < 3; ++k) {  // without rounding where nothing was excluded
-    reached.box.lower[k] = std::max(reached.box.lower[k], box.lower[k]);
-    reached.box.upper[k] = std::min(reached.box.upper[k], box.upper[k]);
-  }
+  reached.box = common_part(reached.box, box);  // without rounding where nothing was excluded
   return reached;
 }
 
@@ -287,12 +285,7 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
 }  // namespace
 
 Box3 box_of_solid(const PiecewiseField& solid, const CsgMeshOptions& options) {
-  Box3 box = solid.bounds();
-  if (options.box)
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.lower[k] = std::max(box.lower[k], options.box->lower[k]);
-      box.upper[k] = std::min(box.upper[k], options.box->upper[k]);
-    }
+  const Box3 box = options.box ? common_part(solid.bounds(), *options.box) : solid.bounds();
   if (box.empty()) throw DataError(options.box ? "the solid has no point inside the box" : "the solid is empty");
   std::string endless;
   for (std::size_t k = 0; k < 3; ++k)

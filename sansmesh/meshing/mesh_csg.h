@@ -1,11 +1,6 @@
 // Closed meshes of solids with their creases as edges.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/mesh_options.h"

@@ -11,7 +11,6 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_coverage.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/narrow_handles.h"

@@ -9,7 +9,6 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/image.h"
-#include "sansmesh/points/cleaning/duplicates.h"
 #include "sansmesh/points/sampling/poisson_discs.h"
 #include "sansmesh/points/statistics/noise.h"
 #include "sansmesh/points/statistics/spacing.h"

@@ -1,7 +1,6 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/surface_options.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

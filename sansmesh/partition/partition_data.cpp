@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/morton.h"

@@ -1,7 +1,6 @@
 // A triangle surface that supports splitting, flipping and collapsing single edges.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>

@@ -11,7 +11,6 @@
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/polygonize/creases/crease_edges.h"
 #include "sansmesh/polygonize/lattice/extraction.h"
-#include "sansmesh/polygonize/lattice/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 

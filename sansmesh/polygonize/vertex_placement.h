@@ -1,7 +1,6 @@
 // Moves the vertices of an extracted mesh onto the surface and its creases, and evens out their spacing.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "sansmesh/mesh/vertex_corners.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/error.h"
 #include "sansmesh/surface/bilateral_kernels.h"
 #include "sansmesh/surface/candidates.h"
 

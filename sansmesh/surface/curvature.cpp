@@ -1,11 +1,7 @@
 #include "sansmesh/surface/curvature.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"

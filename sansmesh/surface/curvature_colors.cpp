@@ -1,10 +1,10 @@
 #include "sansmesh/surface/curvature_colors.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 
@@ -62,9 +62,7 @@ CurvatureColors::CurvatureColors(const PointSet& points, std::span<const FittedC
   for (const float v : values_)
     if (std::isfinite(v)) sizes.push_back(std::abs(v));
   if (sizes.empty()) return;
-  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(kFullColor * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), at, sizes.end());
-  range_ = static_cast<double>(*at);
+  range_ = static_cast<double>(quantile(sizes, kFullColor));
 }
 
 void CurvatureColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const {

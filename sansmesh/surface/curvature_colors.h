@@ -1,7 +1,6 @@
 // Curvature as colour.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>

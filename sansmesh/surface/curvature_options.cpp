@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {

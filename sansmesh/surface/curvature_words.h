@@ -1,9 +1,6 @@
 // Range of curvature values for colour maps.
 #pragma once
 
-#include <string>
-#include <string_view>
-
 #include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface_options.h"
 

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/statistics/noise.h"
@@ -248,8 +249,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
                    options.separate_sheets && options.method != ImplicitMethod::hoppe, gaussian};
   std::vector<float> relative(n);
   for (std::size_t i = 0; i < n; ++i) relative[i] = widths[i] / samples.spacing[i];
-  std::nth_element(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(n / 2), relative.end());
-  state->report = {samples.median_spacing, samples.noise, static_cast<double>(relative[n / 2]), iteration.order,
+  state->report = {samples.median_spacing, samples.noise, static_cast<double>(median(relative)), iteration.order,
                    iteration.iterations};
   state->samples = std::move(samples);
   progress.finish();

@@ -1,8 +1,5 @@
 #include "sansmesh/surface/layer_projection.h"
 
-#include <algorithm>
-#include <utility>
-
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/error.h"

@@ -2,7 +2,6 @@
 // 5.2).
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <vector>
 

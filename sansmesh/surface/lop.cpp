@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/local_frame.h"
@@ -169,9 +169,8 @@ class Consolidation {
       const std::uint32_t own = tree_.order()[slot];
       std::array<float, kAreaNeighbours + 1> others;
       for (std::size_t k = 0; k < found.size(); ++k) others[k] = raw[tree_.order()[found[k].index]];
-      const auto middle = others.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-      std::nth_element(others.begin(), middle, others.begin() + static_cast<std::ptrdiff_t>(found.size()));
-      area[own] = outlier_[own] || raw[own] > kMostArea * *middle ? 0 : raw[own];
+      const float usual = median(std::span(others).first(found.size()));
+      area[own] = outlier_[own] || raw[own] > kMostArea * usual ? 0 : raw[own];
     });
     std::vector<float> inliers;
     double total = 0, steps = 0;
@@ -208,12 +207,7 @@ class Consolidation {
 
   /// `areas`: areas of the samples on the surface.
   double default_radius(const PointSet& points, std::vector<float> areas) const {
-    double sparse = 0;
-    if (!areas.empty()) {
-      const auto at = areas.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(areas.size() - 1));
-      std::nth_element(areas.begin(), at, areas.end());
-      sparse = std::sqrt(static_cast<double>(*at));
-    }
+    const double sparse = std::sqrt(static_cast<double>(quantile(areas, 0.9)));
     // Wide enough for a few points of the result and a few samples even where they are sparse, and to average noise
     // over more than its own size.
     const double noise = estimate_noise(points);
@@ -439,9 +433,7 @@ void LopOptions::validate() const {
 
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress) {
   options.validate();
-  Box3f box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(p);
+  const Box3f box = finite_bounds(points.positions);
   const Vec3f size = box.empty() ? Vec3f{} : box.size();
   LocalFrame frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
   frame.reference = points.reference;

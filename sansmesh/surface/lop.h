@@ -1,10 +1,6 @@
 // Consolidation: an even, denoised set of points from a cloud.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"

@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/error.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"

@@ -1,7 +1,5 @@
 #include "sansmesh/surface/sample_curvature.h"
 
-#include <cmath>
-
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 

@@ -1,16 +1,13 @@
 #include "sansmesh/surface/sample_group.h"
 
-#include <cmath>
-
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/morton.h"
 
 namespace sansmesh::inline v1::detail {
 
 void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t>& order) {
   order.clear();
-  Box3 box;
-  for (const Vec3& p : x)
-    if (is_finite(p)) box.extend(p);
+  const Box3 box = finite_bounds(x);
   const Vec3 size = box.empty() ? Vec3{} : box.size();
   const double largest = std::max({size.x, size.y, size.z});
   // Half the width of a group, within the range of ten bits per axis.

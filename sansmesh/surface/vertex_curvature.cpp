@@ -1,7 +1,6 @@
 #include "sansmesh/surface/vertex_curvature.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>

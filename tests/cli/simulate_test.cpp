@@ -11,6 +11,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/grids/read_volume.h"
 #include "support/png_file.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::test {
 namespace {
@@ -20,7 +21,7 @@ class SimulateTool : public ToolTest {
   void SetUp() override {
     ToolTest::SetUp();
     // A bar of 4 × 1 × 1; Medit numbers vertices from 1.
-    const TetMesh mesh = box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1);
+    const TetMesh mesh = test::box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1);
     std::string text = fmt::format("MeshVersionFormatted 1\nDimension 3\nVertices {}\n", mesh.vertices.size());
     for (const Vec3& p : mesh.vertices) text += fmt::format("{} {} {} 0\n", p.x, p.y, p.z);
     text += fmt::format("Tetrahedra {}\n", mesh.tets.size());

@@ -6,6 +6,7 @@
 
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::test {
 
@@ -13,7 +14,7 @@ constexpr std::string_view kAllIntegrators[] = {"explicit-euler", "verlet", "vel
 
 inline TetMesh one_tet() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}, {}, {}}; }
 
-inline TetMesh small_bar() { return box_of_tets({0, 0, 0}, {2, 0.5, 0.5}, 8, 2, 2); }
+inline TetMesh small_bar() { return test::box_of_tets({0, 0, 0}, {2, 0.5, 0.5}, 8, 2, 2); }
 
 /// Undamped, weightless, solved as exactly as possible.
 inline SoftBodyOptions ideal(std::string_view integrator, double step) {

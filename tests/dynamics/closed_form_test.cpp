@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynamics/body_checks.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -47,13 +48,13 @@ TEST(ClosedForm, WeightOnASpring) {
 
 TEST(ClosedForm, VertexOnThreeSprings) {
   // The top of a regular tetrahedron with edges of 1, whose edges are at cos² = 2/3 to the vertical.
-  const TetMesh mesh = turned_outward({{{0, 0, std::sqrt(2.0 / 3)},
-                                        {1 / std::sqrt(3.0), 0, 0},
-                                        {-0.5 / std::sqrt(3.0), -0.5, 0},
-                                        {-0.5 / std::sqrt(3.0), 0.5, 0}},
-                                       {{0, 1, 3, 2}},
-                                       {},
-                                       {}});
+  const TetMesh mesh = test::turned_outward({{{0, 0, std::sqrt(2.0 / 3)},
+                                              {1 / std::sqrt(3.0), 0, 0},
+                                              {-0.5 / std::sqrt(3.0), -0.5, 0},
+                                              {-0.5 / std::sqrt(3.0), 0.5, 0}},
+                                             {{0, 1, 3, 2}},
+                                             {},
+                                             {}});
   SoftBodyOptions options = ideal("verlet", 1e-4);
   options.total_mass = 4, options.stiffness = 50;
   DynamicsScene scene;
@@ -76,7 +77,7 @@ TEST(ClosedForm, Pendulum) {
                      {{0, 1, 2, 3}},
                      {},
                      {}};
-  const TetMesh outward = turned_outward(mesh);
+  const TetMesh outward = test::turned_outward(mesh);
   double inertia = 0, moment = 0;  // about y, for unit masses
   for (std::size_t v = 1; v < 4; ++v) {
     const Vec3 p = mesh.vertices[v];
@@ -137,7 +138,7 @@ struct Cantilever {
 
 /// Cells as long as high, n through the height.
 TetMesh cantilever_cells(std::size_t n) {
-  return box_of_tets({0, 0, 0}, {Cantilever::kLength, Cantilever::kWidth, Cantilever::kHeight}, 5 * n, n / 3, n);
+  return test::box_of_tets({0, 0, 0}, {Cantilever::kLength, Cantilever::kWidth, Cantilever::kHeight}, 5 * n, n / 3, n);
 }
 
 /// Deflection of the end under a force, relative to Timoshenko's theory.
@@ -157,7 +158,7 @@ double bend(const TetMesh& mesh) {
 // Linear tetrahedra are too stiff; the error falls with the square of their size.
 TEST(ClosedForm, BarSinksAsTheoryOfBeamsSays) {
   const TetMesh coarse = cantilever_cells(6);
-  const double before = bend(coarse), after = bend(refine_uniformly(coarse));
+  const double before = bend(coarse), after = bend(test::refine_uniformly(coarse));
   EXPECT_LT(before, 0.95);
   EXPECT_NEAR(after, 1, 0.05);
   EXPECT_NEAR((1 - before) / (1 - after), 4, 1.5);

@@ -7,6 +7,7 @@
 
 #include "dynamics/body_checks.h"
 #include "sansmesh/dynamics/stable_step.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using test::kAllIntegrators;
 
 /// A cube with its bottom at z = `bottom`.
-TetMesh cube(double bottom) { return box_of_tets({-0.5, -0.5, bottom}, {0.5, 0.5, bottom + 1}, 4, 4, 4); }
+TetMesh cube(double bottom) { return test::box_of_tets({-0.5, -0.5, bottom}, {0.5, 0.5, bottom + 1}, 4, 4, 4); }
 
 SoftBodyOptions of_rubber(std::string_view integrator) {
   SoftBodyOptions options;
@@ -105,7 +106,7 @@ SoftBody on_a_slope(std::string_view integrator, double friction, double step, d
   options.gravity = {9.81 * 0.5, 0, -9.81 * std::sqrt(0.75)};
   DynamicsScene scene;
   scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, friction});
-  const TetMesh mesh = box_of_tets({-0.5, -0.5, 0}, {0.5, 0.5, 1}, 2, 2, 2);
+  const TetMesh mesh = test::box_of_tets({-0.5, -0.5, 0}, {0.5, 0.5, 1}, 2, 2, 2);
   options.step = step > 0 ? step : 0.5 * stable_step(mesh, options, scene);
   SoftBody body(mesh, options, scene);
   body.set_state(mesh.vertices, std::vector<Vec3>(mesh.vertices.size(), Vec3{speed, 0, 0}));

@@ -11,11 +11,12 @@
 #include "sansmesh/dynamics/corotational_model.h"
 #include "sansmesh/dynamics/polar_rotation.h"
 #include "sansmesh/dynamics/spring_model.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-TetMesh little_box() { return box_of_tets({0, 0, 0}, {1, 0.8, 0.6}, 2, 2, 1); }
+TetMesh little_box() { return test::box_of_tets({0, 0, 0}, {1, 0.8, 0.6}, 2, 2, 1); }
 
 std::unique_ptr<ElasticModel> springs_of(const TetMesh& mesh, double damping = 0) {
   return std::make_unique<SpringModel>(vertex_graph(mesh.tets, mesh.vertices.size()), mesh.vertices, 100, damping);

@@ -13,13 +13,14 @@
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 /// A box of 3 × 2 × 2 vertices, from 0 to (2, 1, 1), whose file counts from 10.
 struct Stage {
-  TetMesh mesh = box_of_tets({0, 0, 0}, {2, 1, 1}, 2, 1, 1);
+  TetMesh mesh = test::box_of_tets({0, 0, 0}, {2, 1, 1}, 2, 1, 1);
 
   SceneScript parse(const std::string& text, bool z_up = false) const {
     SceneVertices v;
@@ -156,7 +157,7 @@ TEST(SceneScript, WhatIsNotSaidSuitsTheBody) {
   // The same body at a hundred times the size sags as much: stiffness follows from weight and size.
   const auto sag = [](double size, const char* text) {
     Stage s;
-    s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 4, 2, 2);
+    s.mesh = test::box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 4, 2, 2);
     SceneScript script = s.parse(text);
     const SoftBodyOptions o = recommended_options(script, s.mesh);
     SoftBody body(s.mesh, o, script.scene);
@@ -188,7 +189,7 @@ TEST(SceneScript, FloorsStandAcrossUpWhoeverSaysIt) {
 TEST(SceneScript, UnitsThatNobodySaysFollowTheSize) {
   Stage s;
   const auto unit = [&](double size, const char* text) {
-    s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 2, 1, 1);
+    s.mesh = test::box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 2, 1, 1);
     return recommended_unit(s.parse(text), s.mesh);
   };
   EXPECT_EQ(unit(0.01, "{}"), 1);
@@ -217,8 +218,8 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
       {"velocity-verlet", "\"handles\": {\"on\": {\"side\": \"+x\"}, \"move\": [0, 0, 0], \"stiffness\": 1e7},", 1}};
   for (const Case& c : cases) {
     Stage s;
-    s.mesh = box_of_tets({0, 0, 0}, {2, 1, 1}, 2 * static_cast<std::size_t>(c.cells), static_cast<std::size_t>(c.cells),
-                         static_cast<std::size_t>(c.cells));
+    s.mesh = test::box_of_tets({0, 0, 0}, {2, 1, 1}, 2 * static_cast<std::size_t>(c.cells),
+                               static_cast<std::size_t>(c.cells), static_cast<std::size_t>(c.cells));
     const std::string what =
         std::string("{") + c.rest + "\"fixed\": {\"side\": \"-x\"}, \"integrator\": \"" + c.integrator + "\"}";
     const SceneScript script = s.parse(what);

@@ -15,6 +15,7 @@
 #include "sansmesh/dynamics/body_state.h"
 #include "sansmesh/error.h"
 #include "support/any_threads.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -167,7 +168,7 @@ TEST(SoftBody, ErrorsFallByTheOrder) {
 bool lasts(std::string_view integrator, double stiffness, double h) {
   SoftBodyOptions options;
   options.integrator = integrator, options.stiffness = stiffness, options.step = h, options.damping = 3;
-  const TetMesh bar = box_of_tets({0, 0, 0}, {2, 0.5, 0.5}, 8, 1, 2);
+  const TetMesh bar = test::box_of_tets({0, 0, 0}, {2, 0.5, 0.5}, 8, 1, 2);
   options.total_mass = 0.15 * static_cast<double>(bar.vertices.size());
   DynamicsScene scene;
   VertexForce pull{{}, {0, 0, -5}};
@@ -336,7 +337,7 @@ TEST(SoftBody, TheSameBitsForAnyNumberOfThreads) {
       test::expect_equal_for_any_threads([&] {
         SoftBodyOptions options;
         options.model = model, options.integrator = integrator, options.step = 1e-3;
-        const TetMesh mesh = box_of_tets({0, 0, 0}, {1, 1, 1}, 16, 16, 16);
+        const TetMesh mesh = test::box_of_tets({0, 0, 0}, {1, 1, 1}, 16, 16, 16);
         DynamicsScene scene;
         scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, 0.5});
         SoftBody body(mesh, options, scene);

@@ -11,6 +11,7 @@
 #include "dynamics/body_checks.h"
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/error.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -71,7 +72,7 @@ TEST(StableStep, OfVibrationsAndDecayIsWhereTheStepsTurn) {
 }
 
 TEST(StableStep, NoBodyGainsEnergyWithIt) {
-  const TetMesh fine = refine_uniformly(test::one_tet());
+  const TetMesh fine = test::refine_uniformly(test::one_tet());
   for (std::string_view integrator : kExplicit) {
     for (const SoftBodyModel model : kModels) {
       for (const double damping : {0.0, 1e-4, 1e-2}) {  // s

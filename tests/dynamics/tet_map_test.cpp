@@ -11,13 +11,14 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "support/any_threads.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 /// A twisted bar: its vertices at rest and moved.
 struct Twisted {
-  TetMesh mesh = box_of_tets({0, 0, 0}, {3, 1, 1}, 12, 4, 4);
+  TetMesh mesh = test::box_of_tets({0, 0, 0}, {3, 1, 1}, 12, 4, 4);
   std::vector<Vec3> moved = mesh.vertices;
 
   Twisted() {
@@ -143,7 +144,7 @@ TEST(TetMap, OneAnswerForAnyNumberOfThreads) {
 }
 
 TEST(TetMap, NeedsVolumeAndPositions) {
-  const TetMesh mesh = box_of_tets({0, 0, 0}, {1, 1, 1}, 1, 1, 1);
+  const TetMesh mesh = test::box_of_tets({0, 0, 0}, {1, 1, 1}, 1, 1, 1);
   const std::vector<Vec3> flat(mesh.vertices.size()), few(3);
   EXPECT_THROW(TetMap(mesh.tets, flat, mesh.vertices), DataError);
   EXPECT_THROW(TetMap(mesh.tets, few, mesh.vertices), ArgumentError);

@@ -9,11 +9,12 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/simulate.h"
+#include "support/tet_shapes.h"
 
 namespace sansmesh::test {
 namespace {
 
-TetMesh small_bar() { return box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1); }
+TetMesh small_bar() { return test::box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1); }
 
 bool noted(const std::vector<Note>& notes, std::string_view code) {
   return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
@@ -84,7 +85,7 @@ TEST(SimulationPlan, TakesMaterialsOfCellsAndSaysWhatItGuesses) {
   body.tet_attributes.set("poisson", poisson);
   EXPECT_THROW(plan_simulation(body, {}, {}), DataError);
 
-  const TetMesh large = box_of_tets({0, 0, 0}, {400, 100, 100}, 4, 1, 1);
+  const TetMesh large = test::box_of_tets({0, 0, 0}, {400, 100, 100}, 4, 1, 1);
   const SimulationPlan guessed = plan_simulation(large, {}, {});
   EXPECT_EQ(guessed.unit, 0.01);
   ASSERT_TRUE(noted(guessed.notes, "unit"));

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh_measures.h"
 

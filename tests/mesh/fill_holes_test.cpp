@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"

@@ -11,7 +11,6 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

@@ -17,11 +17,11 @@ namespace {
 void expect_recovered(PointSet points, double fraction) {
   const std::vector<Vec3f> truth = points.normals;
   scramble_signs(points, 99);
-  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::unoriented);
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_GE(fraction_correct(points, truth), fraction);
-  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::oriented);
 }
 
 TEST(SignForest, KeepsRelativeSigns) {
@@ -90,12 +90,12 @@ TEST(Orientation, OfEachPartIsOutward) {
 TEST(Orientation, KeepsWhatIsRightAndTurnsWhatIsInward) {
   PointSet points = sample_torus(8000, 1, 0.3f, 9);
   const std::vector<Vec3f> truth = points.normals;
-  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::oriented);
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_EQ(points.normals, truth);
   for (Vec3f& n : points.normals) n = -n;
-  EXPECT_EQ(check_orientation(points), OrientationCheck::inward);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::inward);
   orient_normals(points, {}, progress);
   EXPECT_EQ(points.normals, truth);
 }
@@ -103,13 +103,13 @@ TEST(Orientation, KeepsWhatIsRightAndTurnsWhatIsInward) {
 TEST(Orientation, NormalsAlongPositiveAxesAreNotOriented) {
   PointSet points = sample_box(20000, {1, 0.8f, 0.6f}, 10);
   for (Vec3f& n : points.normals) n = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
-  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::unoriented);
 }
 
 TEST(Orientation, SingleWrongSignsAreForgiven) {
   PointSet points = sample_torus(8000, 1, 0.3f, 11);
   for (std::size_t i = 0; i < points.size(); i += 50) points.normals[i] = -points.normals[i];
-  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::oriented);
 }
 
 TEST(Orientation, IsNotThereWhereNormalsAreAtRandom) {
@@ -123,7 +123,7 @@ TEST(Orientation, IsNotThereWhereNormalsAreAtRandom) {
   // No choice of signs makes them consistent.
   Progress progress;
   orient_normals(points, {}, progress);
-  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::unoriented);
 }
 
 TEST(Orientation, SaysWhereNormalsLook) {
@@ -205,7 +205,7 @@ TEST(Orientation, RegionsThatAreTurnedRaiseDoubt) {
 }
 
 TEST(Orientation, ThinPlatesAreOriented) {
-  EXPECT_EQ(check_orientation(sample_box(8000, {1, 1, 0.01f}, 12)), OrientationCheck::oriented);
+  EXPECT_EQ(measure_orientation(sample_box(8000, {1, 1, 0.01f}, 12), {}, false).check, OrientationCheck::oriented);
 }
 
 PointSet with_noise(PointSet points, float noise, unsigned seed) {
@@ -423,12 +423,12 @@ TEST(Orientation, MissingNormals) {
   Progress progress;
   EXPECT_THROW(orient_normals(points, {.neighbours = 1}, progress), ArgumentError);
   points.normals.assign(points.size(), {});
-  EXPECT_EQ(check_orientation(points), OrientationCheck::missing);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::missing);
   orient_normals(points, {}, progress);
   for (const Vec3f& n : points.normals) EXPECT_EQ(norm(n), 0);
   points.normals.clear();
-  EXPECT_EQ(check_orientation(points), OrientationCheck::missing);
-  EXPECT_EQ(check_orientation({}), OrientationCheck::missing);
+  EXPECT_EQ(measure_orientation(points, {}, false).check, OrientationCheck::missing);
+  EXPECT_EQ(measure_orientation({}, {}, false).check, OrientationCheck::missing);
   EXPECT_THROW(orient_normals(points, {}, progress), DataError);
 }
 

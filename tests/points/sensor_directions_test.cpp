@@ -201,7 +201,7 @@ TEST(Orientation, TerrainWithStraysLooksUp) {
     };
     Progress progress;
     // Given normals stay unchanged.
-    EXPECT_EQ(check_orientation(cloud), OrientationCheck::oriented);
+    EXPECT_EQ(measure_orientation(cloud, {}, false).check, OrientationCheck::oriented);
     const PreparedCloud kept = prepare_cloud(cloud, {}, progress);
     EXPECT_EQ(kept.points.normals, cloud.normals);
     EXPECT_FALSE(kept.oriented_by);

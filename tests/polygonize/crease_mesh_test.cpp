@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "polygonize/piece_solids.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"

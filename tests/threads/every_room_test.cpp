@@ -41,7 +41,6 @@
 #include "sansmesh/measure/section.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/face_csg.h"
 #include "sansmesh/meshing/mesh_csg.h"
@@ -63,6 +62,7 @@
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/surface_names.h"
+#include "support/tet_shapes.h"
 #include "volume/volume_grids.h"
 
 namespace sansmesh::inline v1 {
@@ -390,7 +390,7 @@ TEST(EveryRoom, SpaceIsDeformed) {
 TEST(EveryRoom, BodiesFall) {
   test::expect_equal_for_any_threads([] {
     Findings found;
-    const TetMesh mesh = box_of_tets({0, 0, 0.001}, {1, 1, 1}, 14, 14, 14);
+    const TetMesh mesh = test::box_of_tets({0, 0, 0.001}, {1, 1, 1}, 14, 14, 14);
     DynamicsScene scene;
     scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, 0.5});
     for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {

@@ -1,11 +1,9 @@
 // Command `advise`: recommends methods for samples or volumes.
 #include "sansmesh/advice.h"
-#include "sansmesh/model/surface_method.h"
 
 #include <fmt/core.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/commands/advise_volume.h"

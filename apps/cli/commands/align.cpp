@@ -5,7 +5,6 @@
 
 #include <array>
 #include <utility>
-#include <vector>
 
 #include "cli/input/cloud_input.h"
 #include "cli/input/surface_input.h"
@@ -16,7 +15,6 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/jobs/files/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
 
 namespace sansmesh::cli {

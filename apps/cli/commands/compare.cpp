@@ -1,6 +1,5 @@
 // Command `compare`: maps the distances between a part and its reference.
 #include "sansmesh/inspect.h"
-#include "sansmesh/jobs/files/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
@@ -13,7 +12,6 @@
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {

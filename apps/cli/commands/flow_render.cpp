@@ -1,7 +1,6 @@
 // Command `flow render`: pictures of stream, path, streak and time surfaces.
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "cli/input/flow_input.h"
 #include "cli/line/commands.h"
@@ -9,7 +8,6 @@
 #include "cli/line/schema_options.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/pictures/color_bar.h"
 #include "sansmesh/jobs/pictures/picture_contents.h"
 
 namespace sansmesh::cli {

@@ -8,8 +8,6 @@
 
 #include "cli/input/surface_input.h"
 #include "cli/line/commands.h"
-#include "cli/line/option_groups.h"
-#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {

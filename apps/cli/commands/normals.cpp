@@ -11,7 +11,6 @@
 #include "cli/line/schema_options.h"
 #include "cli/report/mesh_words.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -14,7 +14,6 @@
 #include "cli/line/schema_options.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/formats.h"
 #include "sansmesh/measure/section_text.h"
 
 namespace sansmesh::cli {

@@ -1,16 +1,13 @@
 // Command `volume render`: pictures of volumes.
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "cli/input/volume_input.h"
 #include "cli/line/commands.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
-#include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/pictures/picture_contents.h"
 #include "sansmesh/volume_look.h"

@@ -4,21 +4,17 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "cli/input/volume_input.h"
 #include "cli/line/commands.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "cli/report/mesh_words.h"
-#include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/jobs/pictures/color_bar.h"
 #include "sansmesh/volume_pictures.h"
 
 namespace sansmesh::cli {

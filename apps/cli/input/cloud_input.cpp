@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include "cli/line/command_line.h"
-#include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"

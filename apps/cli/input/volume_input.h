@@ -1,8 +1,6 @@
 // Volume that a command reads: its files, array and reconstruction.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>

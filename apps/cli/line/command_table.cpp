@@ -1,6 +1,5 @@
 #include "cli/line/command_table.h"
 
-#include <utility>
 #include <vector>
 
 #include "cli/line/commands.h"

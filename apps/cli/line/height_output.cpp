@@ -3,16 +3,15 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <utility>
 
 #include "cli/line/command_line.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "cli/report/file_reports.h"
 #include "cli/report/mesh_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/points/cloud_files.h"
 #include "sansmesh/jobs/files/frame_names.h"
 
@@ -25,7 +24,7 @@ const ReportSchema& WrittenHeights::schema() {
 }
 
 bool HeightOutput::is_grid(const std::string& file) {
-  const std::string name = io::lower(file);
+  const std::string name = lower_case(file);
   return name.ends_with(".tif") || name.ends_with(".tiff");
 }
 
@@ -123,10 +122,10 @@ std::vector<std::string> names_of_parts(const std::string& output, std::size_t p
                                         Console& console) {
   std::vector<std::string> names(parts);
   for (std::size_t k = 0; k < parts; ++k)
-    names[k] = places.empty() ? part_name(output, k + 1, parts) : place_name(output, places[k]);
+    names[k] = places.empty() ? part_name(output, k + 1, parts) : tile_name(output, places[k]);
   check_inputs_stay(io::list_cloud_files(inputs), names);
   if (!places.empty()) {
-    const std::vector<std::string> others = other_places(output, names);
+    const std::vector<std::string> others = other_tiles(output, names);
     if (!others.empty())
       console.warn(others[0], {(others.size() > 1 ? "and " + counted(others.size() - 1, "other file") + " are tiles"
                                                   : std::string("is a tile")) +

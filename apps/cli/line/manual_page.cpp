@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "cli/line/help_text.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -48,11 +48,6 @@ std::string roff(const std::string& text) {
   return safe;
 }
 
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
-
 std::string dashed(const CommandLine& command) {
   std::string name = command.full_name();
   std::replace(name.begin(), name.end(), ' ', '-');
@@ -83,7 +78,7 @@ std::string manual_page_name(const CommandLine& command) { return dashed(command
 
 std::string manual_page(const CommandLine& command, const std::string& version) {
   std::string text = fmt::format(".\\\" Made by `sansmesh manual`.\n.TH {} 1 \"\" \"sansmesh {}\" \"User Commands\"\n",
-                                 upper(roff(dashed(command))), roff(version));
+                                 upper_case(roff(dashed(command))), roff(version));
   text += ".SH NAME\n" + roff(dashed(command)) + " \\- " + roff(command.what()) + "\n";
   text += ".SH SYNOPSIS\n\\fB" + roff(command.full_name()) + "\\fR" +
           roff(usage_of(command).substr(command.full_name().size())) + "\n";
@@ -96,8 +91,8 @@ std::string manual_page(const CommandLine& command, const std::string& version) 
   for (const OptionGroup& group : option_groups_of(command)) {
     text += ".SH " +
             (group.heading.empty()                               ? std::string("ARGUMENTS")
-             : group.heading.find("ptions") != std::string::npos ? roff(upper(group.heading))
-                                                                 : roff(upper(group.heading) + " OPTIONS")) +
+             : group.heading.find("ptions") != std::string::npos ? roff(upper_case(group.heading))
+                                                                 : roff(upper_case(group.heading) + " OPTIONS")) +
             "\n";
     for (const OptionEntry* option : group.options) text += option_lines(*option);
   }

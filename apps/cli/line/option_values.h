@@ -1,11 +1,7 @@
 // Conversion of command line words to numbers.
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "cli/line/option_entry.h"
 #include "sansmesh/core/option_text.h"

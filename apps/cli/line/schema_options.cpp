@@ -9,6 +9,7 @@
 #include "cli/line/command_line.h"
 #include "cli/line/flags.h"
 #include "cli/line/option_values.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/similar_words.h"
 #include "sansmesh/error.h"
 
@@ -20,11 +21,7 @@ using Kind = OptionEntry::Kind;
 /// Placeholder of the value in help: LENGTH for the unit "length".
 std::string value_name_of(const OptionRow& row) {
   if (row.kind == OptionKind::numbers) return row.count == 3 ? "X,Y,Z" : row.count == 6 ? "BOX" : "NUMBERS";
-  if (!row.unit.empty()) {
-    std::string name(row.unit);
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
-    return name;
-  }
+  if (!row.unit.empty()) return upper_case(row.unit);
   switch (row.kind) {
     case OptionKind::whole:
       return "COUNT";

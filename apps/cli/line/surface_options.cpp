@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "cli/line/command_line.h"
-#include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
 #include "sansmesh/error.h"
 #include "sansmesh/schema/registry_words.h"

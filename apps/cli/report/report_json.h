@@ -1,7 +1,6 @@
 // Reports of the library as JSON.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 

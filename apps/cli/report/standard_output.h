@@ -1,7 +1,6 @@
 // Standard output, whose errors are reported, and standard error, whose errors are ignored.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 namespace sansmesh::cli {

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/repair/planar_fill.h"
 
@@ -34,10 +35,7 @@ class FaceMaker {
  public:
   FaceMaker(TriangleMesh& mesh, const PlanarOccluder& cut, double edge_length, bool inward)
       : mesh_(mesh), cut_(cut), length_(edge_length), inward_(inward) {
-    for (const Vec3f& v : mesh.vertices)
-      if (is_finite(v)) box_.extend(mesh.origin + Vec3(v));
-    const double room = 1e-3 * box_.diagonal();
-    box_.lower -= Vec3{room, room, room}, box_.upper += Vec3{room, room, room};
+    box_ = with_margin(finite_bounds(mesh.origin, mesh.vertices), 1e-3);
   }
 
   std::size_t make(const Slit& slit) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sansmesh/box.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/cuts/cut_faces.h"
 #include "sansmesh/deform/cuts/slit.h"
 #include "sansmesh/error.h"
@@ -30,9 +31,7 @@ double mean_edge(const TriangleMesh& mesh) {
 /// Moves the origin to the mesh's centre along axes along which the mesh is farther from its origin than its size:
 /// vertices keep their exact positions, and new ones are rounded less.
 void bring_origin_near(TriangleMesh& mesh) {
-  Box3 box;
-  for (const Vec3f& v : mesh.vertices)
-    if (is_finite(v)) box.extend(Vec3(v));
+  const Box3 box = finite_bounds({}, mesh.vertices);
   if (box.empty()) return;
   Vec3f by;
   for (std::size_t k = 0; k < 3; ++k)

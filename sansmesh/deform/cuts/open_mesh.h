@@ -1,11 +1,9 @@
 // Opens meshes along cuts, so that a deformation can separate the two sides.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/deform/cuts/occluder.h"
 #include "sansmesh/deform_options.h"

@@ -1,7 +1,6 @@
 #include "sansmesh/deform/cuts/slit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <unordered_map>
 #include <unordered_set>

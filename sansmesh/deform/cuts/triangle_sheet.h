@@ -30,7 +30,6 @@ class TriangleSheet {
 
   bool empty() const { return triangles_.empty(); }
   const Box3& bounds() const { return box_; }
-  std::size_t border_size() const { return border_.size(); }
   std::size_t size() const { return triangles_.size(); }
   std::array<Vec3, 3> corners(std::size_t triangle) const;
 

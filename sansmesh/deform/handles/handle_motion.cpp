@@ -1,7 +1,6 @@
 #include "sansmesh/deform/handles/handle_motion.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <string>

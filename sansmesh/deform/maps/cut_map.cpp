@@ -1,7 +1,6 @@
 #include "sansmesh/deform/maps/cut_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"

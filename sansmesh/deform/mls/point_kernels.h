@@ -1,7 +1,6 @@
 // Vectorised maps of point handles.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 

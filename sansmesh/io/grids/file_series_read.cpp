@@ -1,5 +1,4 @@
 // ParaView's file series: JSON that names a file for each time.
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sansmesh/core/json_text-inl.h"

@@ -319,13 +319,13 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
     for (std::size_t k = 0; k < fills.size(); ++k) {
       // Several components share one line.
       std::size_t count = 0;
-      bool told = false;
+      bool reported_before = false;
       for (std::size_t m = 0; m < fills.size(); ++m) {
         if (fills[m].value != fills[k].value || fills[m].asked != fills[k].asked) continue;
-        told = told || m < k;
+        reported_before = told || m < k;
         count += rows[m];
       }
-      if (told) continue;
+      if (reported_before) continue;
       auto of = std::find_if(occurrences.begin(), occurrences.end(), [&](const Occurrence& o) {
         return o.value == fills[k].value && o.asked == fills[k].asked;
       });

@@ -6,12 +6,12 @@
 #include <filesystem>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
 
-std::string HeaderFields::lower_name(std::string_view name) { return lower(name); }
+std::string HeaderFields::lower_name(std::string_view name) { return lower_case(name); }
 
 const std::string* HeaderFields::find(std::initializer_list<std::string_view> names) const {
   for (const std::string_view name : names) {
@@ -48,7 +48,7 @@ std::optional<std::int64_t> HeaderFields::whole(std::initializer_list<std::strin
 bool HeaderFields::flag(std::initializer_list<std::string_view> names) const {
   const std::string* const value = find(names);
   if (!value) return false;
-  const std::string v = lower(*value);
+  const std::string v = lower_case(*value);
   return v == "true" || v == "1" || v == "t" || v == "yes";
 }
 

@@ -2,25 +2,19 @@
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/grids/header_fields.h"
 #include "sansmesh/io/grids/image_block.h"
 #include "sansmesh/io/grids/time_steps.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
 
-std::string_view trimmed_field(std::string_view s) {
-  while (!s.empty() && TextScanner::is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && TextScanner::is_blank(s.back())) s.remove_suffix(1);
-  return s;
-}
-
 /// `longs`: whether types called long have 8 bytes, which differs between writers.
 std::optional<NumberType> met_type(std::string name, bool longs) {
-  name = lower(name);
+  name = lower_case(name);
   if (name.ends_with("_array")) name.resize(name.size() - 6);
   if (name == "met_char" || name == "met_ascii_char") return NumberType::i8;
   if (name == "met_uchar") return NumberType::u8;
@@ -50,11 +44,12 @@ MetaHeader read_meta_header(const Input& in) {
     const std::string_view line = text.line();
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos) {
-      if (trimmed_field(line).empty()) continue;
+      if (without_blanks(line).empty()) continue;
       in.fail(fmt::format("its header has a line that is not 'Name = value': {}", line.substr(0, 40)));
     }
-    const std::string_view name = trimmed_field(line.substr(0, equals)), value = trimmed_field(line.substr(equals + 1));
-    if (lower(name) == "elementdatafile") {
+    const std::string_view name = without_blanks(line.substr(0, equals)),
+                           value = without_blanks(line.substr(equals + 1));
+    if (lower_case(name) == "elementdatafile") {
       if (value.empty()) break;
       header.data_file = value;
       header.body = text.rest();
@@ -92,10 +87,10 @@ ImageLayout meta_layout(const HeaderFields& fields, std::size_t n, const std::ve
 
 std::vector<std::string> meta_files(const Input& in, const MetaHeader& header) {
   std::vector<std::string> files;
-  if (lower(header.data_file).starts_with("list")) {
+  if (lower_case(header.data_file).starts_with("list")) {
     TextScanner text(header.body);
     while (!text.at_end()) {
-      if (const std::string_view name = trimmed_field(text.line()); !name.empty()) files.push_back(beside(in, name));
+      if (const std::string_view name = without_blanks(text.line()); !name.empty()) files.push_back(beside(in, name));
     }
     if (files.empty()) in.fail("announces a list of data files, but has none");
     return files;
@@ -136,7 +131,7 @@ GridData read_metaimage(const Input& in, std::size_t step) {
 
   std::optional<DataFiles> files;
   std::string_view bytes = header.body;
-  const bool local = lower(header.data_file) == "local";
+  const bool local = lower_case(header.data_file) == "local";
   if (!local) {
     files.emplace(in, meta_files(in, header), packed ? std::max<std::int64_t>(skip, 0) : skip, count * size_of(*type));
     bytes = files->bytes();

@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/grids/header_fields.h"
 #include "sansmesh/io/grids/image_block.h"
 #include "sansmesh/io/grids/time_steps.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
@@ -62,12 +62,6 @@ std::optional<NumberType> nrrd_type(std::string_view name) {
   return std::nullopt;
 }
 
-std::string_view nrrd_trimmed(std::string_view s) {
-  while (!s.empty() && TextScanner::is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && TextScanner::is_blank(s.back())) s.remove_suffix(1);
-  return s;
-}
-
 struct NrrdHeader {
   HeaderFields fields;
   std::vector<std::string> files;  ///< empty: the numbers follow
@@ -82,7 +76,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
   while (!text.at_end()) {
     const std::string_view line = text.line();
     if (list) {
-      if (const std::string_view name = nrrd_trimmed(line); !name.empty()) header.files.push_back(beside(in, name));
+      if (const std::string_view name = without_blanks(line); !name.empty()) header.files.push_back(beside(in, name));
       continue;
     }
     if (line.empty()) {
@@ -94,8 +88,8 @@ NrrdHeader read_nrrd_header(const Input& in) {
     if (colon == std::string_view::npos)
       in.fail(fmt::format("its header has a line that is not 'field: value': {}", line.substr(0, 40)));
     if (line.substr(colon).starts_with(":=")) continue;  // user-defined keys and values
-    const std::string name = lower(nrrd_trimmed(line.substr(0, colon)));
-    const std::string_view value = nrrd_trimmed(line.substr(colon + 1));
+    const std::string name = lower_case(without_blanks(line.substr(0, colon)));
+    const std::string_view value = without_blanks(line.substr(colon + 1));
     if (name == "data file" || name == "datafile") {
       if (value.starts_with("LIST"))
         list = true;
@@ -140,7 +134,7 @@ NrrdAxes nrrd_axes(const Input& in, const HeaderFields& fields, const std::vecto
   std::vector<std::string> kinds(axes.sizes.size());
   if (const std::string* const text = fields.find({"kinds"})) {
     TextScanner s(*text);
-    for (std::string& k : kinds) k = lower(s.word());
+    for (std::string& k : kinds) k = lower_case(s.word());
   }
   std::vector<std::size_t> others;
   for (std::size_t k = 0; k < axes.sizes.size(); ++k) {
@@ -215,7 +209,7 @@ ImageLayout nrrd_layout(const Input& in, const HeaderFields& fields, const NrrdA
       double found = 0;
       if (number.number(found) && number.at_end() && std::isfinite(found))
         v = found;
-      else if (lower(word) != "nan" && lower(word) != "none")
+      else if (lower_case(word) != "nan" && lower_case(word) != "none")
         in.fail(fmt::format("'{}' of its header must be a number for each axis", name));
     }
   };
@@ -271,7 +265,7 @@ AttributeValues nrrd_values(const Input& in, const NrrdHeader& header, NumberTyp
   const HeaderFields& fields = header.fields;
   const std::uint64_t needed = count * size_of(type);
   const std::string* const encoding_text = fields.find({"encoding"});
-  const std::string encoding = encoding_text ? lower(*encoding_text) : "raw";
+  const std::string encoding = encoding_text ? lower_case(*encoding_text) : "raw";
   const std::int64_t skip = fields.whole({"byte skip", "byteskip"}).value_or(0);
   const std::int64_t lines = fields.whole({"line skip", "lineskip"}).value_or(0);
   if (skip < -1 || lines < 0) in.fail("its header skips a negative number of bytes or lines");
@@ -325,7 +319,7 @@ AttributeValues nrrd_values(const Input& in, const NrrdHeader& header, NumberTyp
   const std::string* const endian = fields.find({"endian"});
   if (!endian && size_of(type) > 1 && encoding != "hex") in.fail("its header gives no byte order (endian)");
   // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): bytes for `count` numbers are there
-  return decode_values(bytes.data(), count, type, endian && lower(*endian) == "big");
+  return decode_values(bytes.data(), count, type, endian && lower_case(*endian) == "big");
 }
 
 std::size_t product_before(const NrrdAxes& axes, std::size_t axis) {
@@ -376,7 +370,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   const HeaderFields& fields = header.fields;
   const std::string* const type_name = fields.find({"type"});
   if (!type_name) in.fail("its header gives no type of numbers");
-  const auto type = nrrd_type(lower(*type_name));
+  const auto type = nrrd_type(lower_case(*type_name));
   if (!type) in.fail(fmt::format("numbers of the type '{}' are not supported", type_name->substr(0, 40)));
   std::vector<std::optional<Vec3>> directions;
   if (const std::string* const text = fields.find({"space directions"})) directions = nrrd_vectors(in, *text);

@@ -7,11 +7,11 @@
 #include <filesystem>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/grids/image_block.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
@@ -308,7 +308,7 @@ bool is_plot3d(const Input& in) { return !P3dFile(in.bytes).layouts(P3dContent::
 
 std::string plot3d_solution_of(const std::string& grid) {
   const std::filesystem::path path(grid);
-  const std::string name = path.filename().string(), small = lower(name);
+  const std::string name = path.filename().string(), small = lower_case(name);
   std::vector<std::string> candidates;
   if (const std::size_t at = small.rfind("xyz"); at != std::string::npos) {
     for (const char* q : {"q", "Q"}) candidates.push_back(name.substr(0, at) + q + name.substr(at + 3));

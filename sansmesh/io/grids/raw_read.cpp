@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/grids/image_block.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
@@ -29,7 +29,7 @@ std::optional<NumberType> raw_type(std::string_view word) {
 }  // namespace
 
 std::optional<RawLayout> raw_layout_of_name(const std::string& file) {
-  std::string name = lower(std::filesystem::path(file).filename().string());
+  std::string name = lower_case(std::filesystem::path(file).filename().string());
   RawLayout layout;
   bool sized = false, typed = false;
   std::string word;

@@ -3,17 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/meshes/vtk_xml.h"
-#include "sansmesh/io/names.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -40,7 +38,7 @@ std::uint64_t whole_number(std::string_view text) {
 
 /// Bytes per number of a type by VTK's name; 1 for unknown types, which take at least that.
 std::uint64_t bytes_of_type(std::string_view type) {
-  const std::string t = lower(type);
+  const std::string t = lower_case(type);
   if (t.ends_with("64") || t == "double" || t == "vtktypeint64" || t == "long" || t == "unsigned_long") return 8;
   if (t.ends_with("32") || t == "float" || t == "int" || t == "unsigned_int" || t == "vtkidtype") return 4;
   if (t.ends_with("16") || t == "short" || t == "unsigned_short") return 2;
@@ -49,7 +47,7 @@ std::uint64_t bytes_of_type(std::string_view type) {
 
 /// Bytes of `numbers` numbers.
 std::uint64_t bytes_of(std::uint64_t numbers, std::string_view type) {
-  if (lower(type) == "bit") return (numbers + 7) / 8;
+  if (lower_case(type) == "bit") return (numbers + 7) / 8;
   return capped_product(numbers, bytes_of_type(type));
 }
 
@@ -190,7 +188,7 @@ class LegacyPromises {
 
   void check() {
     text_.line(), text_.line();
-    binary_ = lower(text_.word()) == "binary";
+    binary_ = lower_case(text_.word()) == "binary";
     text_.line();
     while (!text_.at_end()) {
       TextScanner words(text_.line());
@@ -199,7 +197,7 @@ class LegacyPromises {
       const char first = *words.position();
       const bool word = (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z');
       if (!word && !binary_) continue;  // numbers
-      if (!word || (!look_at(lower(words.word()), words) && binary_)) return;
+      if (!word || (!look_at(lower_case(words.word()), words) && binary_)) return;
     }
   }
 
@@ -227,12 +225,12 @@ class LegacyPromises {
     if (key == "cells" || key == "polygons" || key == "lines" || key == "vertices" || key == "triangle_strips") {
       const std::uint64_t n = next(), size = next();
       TextScanner ahead = text_;
-      if (!lower(ahead.word()).starts_with("offsets")) return take(std::max(n, size), "int");
+      if (!lower_case(ahead.word()).starts_with("offsets")) return take(std::max(n, size), "int");
       text_.line();
       if (!take(n, "vtktypeint64")) return false;
       skip_line_end();
       TextScanner second(text_.line());
-      return lower(second.word()) != "connectivity" || take(size, "vtktypeint64");
+      return lower_case(second.word()) != "connectivity" || take(size, "vtktypeint64");
     }
     if (key == "cell_types") return take(next(), "int");
     if (key == "point_data" || key == "cell_data") return tuples_ = next(), true;
@@ -245,7 +243,7 @@ class LegacyPromises {
       const std::string_view type = words.word();
       const std::uint64_t components = std::max<std::uint64_t>(1, whole_number(words.word()));
       TextScanner ahead = text_;
-      if (lower(ahead.word()) == "lookup_table") text_.line();
+      if (lower_case(ahead.word()) == "lookup_table") text_.line();
       return take(capped_product(tuples_, components), type);
     }
     if (key == "vectors" || key == "normals" || key == "tensors") {
@@ -269,7 +267,7 @@ class LegacyPromises {
 
   /// Skips the next numbers if they are binary; false for types of unknown length.
   bool take(std::uint64_t numbers, std::string_view type) {
-    const std::string t = lower(type);
+    const std::string t = lower_case(type);
     const std::uint64_t room = text_.rest().size();
     if (t == "string" || t == "variant" || t == "utf8_string") return false;
     const std::uint64_t memory = bytes_of(numbers, t), bytes = binary_ ? memory : capped_product(numbers, 2);
@@ -286,7 +284,7 @@ class LegacyPromises {
     skip_line_end();
     for (;;) {
       TextScanner head(text_.line());
-      if (lower(head.word()) != "metadata" || !head.rest().empty() || text_.at_end()) return head;
+      if (lower_case(head.word()) != "metadata" || !head.rest().empty() || text_.at_end()) return head;
       skip_metadata();
     }
   }

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/read_text.h"

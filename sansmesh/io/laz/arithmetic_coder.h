@@ -38,7 +38,7 @@ class ArithmeticDecoder {
     const std::uint32_t unit = length_ >> SymbolModel<N>::kShift;
     const unsigned s = model.find(value_ / unit);
     const std::uint32_t first = model.below(s) * unit;
-    // The last symbol includes the places that the division of the interval has left over.
+    // The last symbol includes the values that the division of the interval has left over.
     length_ = (s + 1 < N ? model.below(s + 1) * unit : length_) - first;
     value_ -= first;
     extend();

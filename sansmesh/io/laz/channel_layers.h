@@ -25,7 +25,7 @@ struct LayerRecords {
 /// Contexts of a point in all layers, from the first layer.
 struct PointStep {
   std::uint8_t channel;
-  std::uint8_t place : 2;  ///< 1 for the last return, plus 2 for the first one
+  std::uint8_t end : 2;  ///< 1 for the last return, plus 2 for the first one
   std::uint8_t time_changed : 1;
   std::uint8_t angle_changed : 1;
   std::uint8_t source_changed : 1;
@@ -134,7 +134,7 @@ bool code_classification(Coder& coder, const LayerRecords<Bytes>& r, const std::
     m.last = load<std::uint8_t>(previous + 16);
   };
   return code_layer<ByteModels>(coder, r, steps, start, [&](ByteModels& m, ByteModels&, Bytes* p, PointStep step) {
-    const unsigned context = (m.last & 31u) << 1 | (step.place == 3);
+    const unsigned context = (m.last & 31u) << 1 | (step.end == 3);
     m.last = static_cast<std::uint8_t>(coder.symbol(m.models[context], given<Coder, std::uint8_t>(p + 16)));
     give<Coder>(p + 16, m.last);
   });
@@ -178,8 +178,8 @@ bool code_intensity(Coder& coder, const LayerRecords<Bytes>& r, const std::vecto
     m.last.fill(load<std::uint16_t>(previous + 12));
   };
   return code_layer<Model>(coder, r, steps, start, [&](Model& m, Model&, Bytes* p, const PointStep& step) {
-    std::uint16_t& v = m.last[static_cast<unsigned>(step.place) << 1 | step.time_changed];
-    v = static_cast<std::uint16_t>(m.intensity.code(coder, v, given<Coder, std::uint16_t>(p + 12), step.place));
+    std::uint16_t& v = m.last[static_cast<unsigned>(step.end) << 1 | step.time_changed];
+    v = static_cast<std::uint16_t>(m.intensity.code(coder, v, given<Coder, std::uint16_t>(p + 12), step.end));
     give<Coder>(p + 12, v);
   });
 }
@@ -386,7 +386,7 @@ struct ReturnsAndXyModel {
     const unsigned both = (bits + dy.bits()) / 2;
     step.level = static_cast<std::uint8_t>(return_level(count, number));
     step.z_context = static_cast<std::uint8_t>(single + (both < 18 ? both & ~1u : 18));
-    step.place = static_cast<std::uint8_t>((number >= count) | (number == 1) << 1) & 3u;
+    step.end = static_cast<std::uint8_t>((number >= count) | (number == 1) << 1) & 3u;
   }
 };
 

@@ -18,7 +18,7 @@ constexpr std::int32_t kDeepest = 31;
 /// An entry of the hierarchy: a node, or a page with the nodes below it.
 struct Entry {
   std::int32_t level;
-  std::array<std::int32_t, 3> place;
+  std::array<std::int32_t, 3> cube;
   std::uint64_t begin;
   std::int32_t bytes, points;
 
@@ -28,7 +28,7 @@ struct Entry {
 Entry load_entry(const char* p) {
   Entry e{
       load<std::int32_t>(p), {}, load<std::uint64_t>(p + 16), load<std::int32_t>(p + 24), load<std::int32_t>(p + 28)};
-  for (std::size_t k = 0; k < 3; ++k) e.place[k] = load<std::int32_t>(p + 4 + 4 * k);
+  for (std::size_t k = 0; k < 3; ++k) e.cube[k] = load<std::int32_t>(p + 4 + 4 * k);
   return e;
 }
 
@@ -78,7 +78,7 @@ class CopcSearch {
 
   void add(const Entry& e) {
     const bool valid = e.level >= 0 && e.level <= kDeepest && e.points >= -1 && e.bytes >= 0 &&
-                       std::all_of(e.place.begin(), e.place.end(),
+                       std::all_of(e.cube.begin(), e.cube.end(),
                                    [&](std::int32_t k) { return k >= 0 && (std::int64_t{k} >> e.level) == 0; });
     if (!valid) fail("a node is outside of the octree");
     if (e.points == 0 || e.level > last_level_ || !is_needed(e)) return;
@@ -96,7 +96,7 @@ class CopcSearch {
     if (!in_.options.box) return true;
     const double size = std::ldexp(2 * info_.half_size, -e.level);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double step = std::abs(header_.scale[k]), lower = info_.center[k] - info_.half_size + size * e.place[k];
+      const double step = std::abs(header_.scale[k]), lower = info_.center[k] - info_.half_size + size * e.cube[k];
       if (lower - step > in_.options.box->upper[k] || lower + size + step < in_.options.box->lower[k]) return false;
     }
     return true;

@@ -1,7 +1,6 @@
 #include "sansmesh/io/laz/copc_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <utility>
@@ -45,10 +44,10 @@ class TreeBuilder {
   }
 
  private:
-  void add_node(std::int32_t level, const LasSteps& place, const Vec3& lower, double edge,
+  void add_node(std::int32_t level, const LasSteps& cube, const Vec3& lower, double edge,
                 std::vector<std::uint32_t> points) {
     const std::size_t at = nodes_.size();
-    nodes_.push_back({level, place, {}});
+    nodes_.push_back({level, cube, {}});
     if (points.size() <= kLeafPoints || level == kDeepestWritten) {
       nodes_[at].points = std::move(points);
       return;
@@ -62,11 +61,11 @@ class TreeBuilder {
     nodes_[at].points = std::move(own);
     for (std::size_t k = 0; k < 8; ++k) {
       if (children[k].empty()) continue;
-      LasSteps at_child = place;
+      LasSteps at_child = cube;
       Vec3 corner = lower;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto bit = static_cast<std::int32_t>(k >> axis & 1);
-        at_child[axis] = 2 * place[axis] + bit, corner[axis] += bit * 0.5 * edge;
+        at_child[axis] = 2 * cube[axis] + bit, corner[axis] += bit * 0.5 * edge;
       }
       add_node(level + 1, at_child, corner, 0.5 * edge, std::move(children[k]));
     }
@@ -131,7 +130,7 @@ std::string copc_page(const std::vector<CopcNode>& nodes, const std::vector<Copc
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const std::size_t at = k * kEntryLength;
     put_number(s, at, nodes[k].level);
-    for (std::size_t axis = 0; axis < 3; ++axis) put_number(s, at + 4 + 4 * axis, nodes[k].place[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) put_number(s, at + 4 + 4 * axis, nodes[k].cube[axis]);
     put_number(s, at + 16, chunks[k].begin);
     put_number(s, at + 24, static_cast<std::int32_t>(chunks[k].bytes));
     put_number(s, at + 28, static_cast<std::int32_t>(nodes[k].points.size()));

@@ -15,7 +15,7 @@ using LasSteps = std::array<std::int32_t, 3>;
 
 struct CopcNode {
   std::int32_t level = 0;
-  LasSteps place = {};                ///< cube among those of the level
+  LasSteps cube = {};                 ///< cube among those of the level
   std::vector<std::uint32_t> points;  ///< in ascending order
 };
 
@@ -40,7 +40,7 @@ struct CopcChunk {
 struct CopcDescription {
   Vec3 center;
   double half_size = 0, spacing = 0;
-  std::uint64_t hierarchy = 0, hierarchy_bytes = 0;  ///< place of its page
+  std::uint64_t hierarchy = 0, hierarchy_bytes = 0;  ///< range of bytes of its page
   double first_time = 0, last_time = 0;
 };
 std::string copc_vlr(const CopcDescription& description);

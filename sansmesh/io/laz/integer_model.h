@@ -1,4 +1,4 @@
-// Models of integers in LAZ: the difference to a prediction as the number of its bits and its place among the numbers
+// Models of integers in LAZ: the difference to a prediction as the number of its bits and its offset among the numbers
 // with as many bits.
 #pragma once
 
@@ -51,38 +51,38 @@ class IntegerModel {
     if (k == 0) return coder.bit(one_, difference);
     if (k >= 32) return 0x80000000u;
     const std::uint32_t half = 1u << (k - 1);
-    std::uint32_t place = 0;
+    std::uint32_t offset = 0;
     if constexpr (Coder::kEncodes)
-      place = static_cast<std::int32_t>(difference) < 0 ? difference + (2 * half - 1) : difference - 1;
+      offset = static_cast<std::int32_t>(difference) < 0 ? difference + (2 * half - 1) : difference - 1;
     if (k <= kHigh) {
-      place = code_low(coder, place);
+      offset = code_low(coder, offset);
     } else if constexpr (Bits > kHigh) {
       const unsigned rest = k - kHigh;
-      const std::uint32_t high = coder.symbol(high_[rest - 1], place >> rest);
-      place = high << rest | coder.bits(rest, place & ((1u << rest) - 1));
+      const std::uint32_t high = coder.symbol(high_[rest - 1], offset >> rest);
+      offset = high << rest | coder.bits(rest, offset & ((1u << rest) - 1));
     }
-    return place >= half ? place + 1 : place - (2 * half - 1);
+    return offset >= half ? offset + 1 : offset - (2 * half - 1);
   }
 
   template <class Coder>
-  unsigned code_low(Coder& coder, unsigned place) {
+  unsigned code_low(Coder& coder, unsigned offset) {
     switch (bits_) {
       case 1:
-        return coder.symbol(low1_, place);
+        return coder.symbol(low1_, offset);
       case 2:
-        return coder.symbol(low2_, place);
+        return coder.symbol(low2_, offset);
       case 3:
-        return coder.symbol(low3_, place);
+        return coder.symbol(low3_, offset);
       case 4:
-        return coder.symbol(low4_, place);
+        return coder.symbol(low4_, offset);
       case 5:
-        return coder.symbol(low5_, place);
+        return coder.symbol(low5_, offset);
       case 6:
-        return coder.symbol(low6_, place);
+        return coder.symbol(low6_, offset);
       case 7:
-        return coder.symbol(low7_, place);
+        return coder.symbol(low7_, offset);
       default:
-        return coder.symbol(low8_, place);
+        return coder.symbol(low8_, offset);
     }
   }
 

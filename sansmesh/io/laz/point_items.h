@@ -3,7 +3,6 @@
 // Each part has a function code(coder, …, value) for both directions: an encoder reads `value`, a decoder sets it.
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstring>
 

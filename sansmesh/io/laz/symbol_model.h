@@ -58,16 +58,16 @@ class SymbolModel {
   }
   /// Sum of the probabilities of all symbols before `symbol`, in 2^-kShift.
   std::uint32_t below(unsigned symbol) const { return below_[symbol]; }
-  /// The symbol with below(symbol) <= place < below(symbol + 1). `place` is at most 2^kShift + 64: rounding of the
-  /// coder's interval adds a few places to the last symbol.
-  unsigned find(std::uint32_t place) const {
+  /// The symbol with below(symbol) <= value < below(symbol + 1). `value` is at most 2^kShift + 64: rounding of the
+  /// coder's interval adds a few values to the last symbol.
+  unsigned find(std::uint32_t value) const {
     if constexpr (kTable) {
-      unsigned symbol = table_[place >> kTableShift];
-      while (below_[symbol + 1] <= place) ++symbol;
+      unsigned symbol = table_[value >> kTableShift];
+      while (below_[symbol + 1] <= value) ++symbol;
       return symbol;
     } else {
       unsigned symbol = 0;
-      for (unsigned k = 1; k < N; ++k) symbol += below_[k] <= place;
+      for (unsigned k = 1; k < N; ++k) symbol += below_[k] <= value;
       return symbol;
     }
   }

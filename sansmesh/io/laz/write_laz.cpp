@@ -1,6 +1,5 @@
 #include "sansmesh/io/laz/write_laz.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "sansmesh/core/parallel.h"

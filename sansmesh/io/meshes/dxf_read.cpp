@@ -8,6 +8,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/io/meshes/line_input.h"
 #include "sansmesh/io/readers.h"
@@ -65,10 +66,8 @@ class DxfReader {
     if (number.at_end() && text_.at_end()) return false;
     if (!number.number(code_)) in_.fail(fmt::format("line {}: is no code of a DXF group", grouped(line_)));
     if (text_.at_end()) in_.fail("truncated: the last DXF group has no value");
-    value_ = text_.line();
+    value_ = without_blanks(text_.line());
     ++line_;
-    while (!value_.empty() && TextScanner::is_blank(value_.front())) value_.remove_prefix(1);
-    while (!value_.empty() && TextScanner::is_blank(value_.back())) value_.remove_suffix(1);
     return true;
   }
 

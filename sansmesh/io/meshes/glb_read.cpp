@@ -10,10 +10,10 @@
 #include <tuple>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/meshes/face_sink.h"
 #include "sansmesh/io/meshes/gltf_document-inl.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/readers.h"
@@ -279,7 +279,7 @@ class GlbReader {
       textures_ |= name.starts_with("TEXCOORD");
       if (name.size() < 2 || name.front() != '_') continue;
       const GltfNumbers values = of_vertices(document_.whole(attributes, name.c_str()).value_or(0), n, "values");
-      NamedColumns column{lower(name.substr(1)), values.first.type, {}};
+      NamedColumns column{lower_case(name.substr(1)), values.first.type, {}};
       for (std::size_t k = 0; k < values.components; ++k) column.components.push_back(values.component(k));
       columns.push_back(std::move(column));
     }

@@ -1,11 +1,11 @@
 // Lines of files as polylines about an origin.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/polyline_set.h"
 
 namespace sansmesh::inline v1::io {
@@ -17,9 +17,7 @@ inline void place_lines(PolylineSet& lines, std::span<const Vec3> positions) {
     for (const Vec3& p : positions)
       if (is_finite(p)) along.push_back(p[k]);
     if (along.empty()) break;
-    const auto middle = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
-    std::nth_element(along.begin(), middle, along.end());
-    lines.origin[k] = static_cast<double>(static_cast<float>(*middle));
+    lines.origin[k] = static_cast<double>(static_cast<float>(median(along)));
   }
   lines.positions.clear();
   lines.positions.reserve(positions.size());

@@ -2,14 +2,14 @@
 
 #include <fmt/core.h>
 
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
 namespace {
 
 NumberType parse_type(const Input& in, std::string_view word) {
-  const std::string w = lower(word);
+  const std::string w = lower_case(word);
   if (w == "char" || w == "int8") return NumberType::i8;
   if (w == "uchar" || w == "uint8") return NumberType::u8;
   if (w == "short" || w == "int16") return NumberType::i16;
@@ -51,7 +51,7 @@ PlyHeader parse_ply_header(const Input& in) {
         in.fail(fmt::format("malformed PLY header: unknown format '{}'", w.substr(0, 40)));
     } else if (key == "element") {
       PlyElement element;
-      element.name = lower(words.word());
+      element.name = lower_case(words.word());
       if (element.name.empty() || !words.number(element.count)) {
         in.fail(fmt::format("malformed PLY header: '{}'", line.substr(0, 80)));
       }
@@ -68,7 +68,7 @@ PlyHeader parse_ply_header(const Input& in) {
       }
       property.type = parse_type(in, type);
       property.given = std::string(words.word());
-      property.name = lower(property.given);
+      property.name = lower_case(property.given);
       if (property.name.empty()) in.fail(fmt::format("malformed PLY header: '{}'", line.substr(0, 80)));
       header.elements.back().properties.push_back(std::move(property));
     } else {

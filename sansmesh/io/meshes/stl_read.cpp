@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/binary.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
@@ -120,7 +120,7 @@ PointSet read_stl(const Input& in) {
   const std::string_view head = in.bytes.substr(0, 2048);
   // Some binary files begin with "solid", too: the size decides first.
   const bool text =
-      size != needed && lower(start.rest().substr(0, 5)) == "solid" && head.find('\0') == std::string_view::npos;
+      size != needed && lower_case(start.rest().substr(0, 5)) == "solid" && head.find('\0') == std::string_view::npos;
   Welder weld(text ? size / 64 : std::min<std::uint64_t>(announced, size / 50) * 2);
   if (text) {
     in.report.format = "STL ascii";

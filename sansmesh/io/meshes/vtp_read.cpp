@@ -7,12 +7,12 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/meshes/face_sink.h"
 #include "sansmesh/io/meshes/line_input.h"
 #include "sansmesh/io/meshes/vtk_xml.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/readers.h"
@@ -167,7 +167,7 @@ class VtpReader {
     std::optional<Array>* target = nullptr;
     std::size_t components = 1;
     TextScanner(tag["NumberOfComponents"]).number(components);
-    const std::string lower_name = lower(name);
+    const std::string lower_name = lower_case(name);
     if (section == "Points")
       target = &piece_.points;
     else if (section == "Polys" && name == "connectivity")

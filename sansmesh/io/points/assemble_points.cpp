@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 
 namespace sansmesh::inline v1::io {
@@ -56,9 +57,8 @@ double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
     for (std::size_t k = 0; k < 3; ++k)
       losses[i] = std::max(losses[i], std::abs(p[k] - static_cast<double>(static_cast<float>(p[k]))));
   }
-  const auto strays = static_cast<std::ptrdiff_t>(kLostShare * static_cast<double>(some.size()));
-  std::nth_element(losses.begin(), losses.end() - 1 - strays, losses.end());
-  return *(losses.end() - 1 - strays);
+  const auto strays = static_cast<std::size_t>(kLostShare * static_cast<double>(some.size()));
+  return nth_smallest(losses, losses.size() - 1 - strays);
 }
 
 /// Numbers of unknown positions and of positions too far away, as marked by store_positions.

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
@@ -49,10 +50,10 @@ std::string format_group(const std::string& file) {
 /// The name without endings that only state how the points are packed: tile.las, tile.laz, tile.copc.laz, tile.las.gz.
 std::string unpacked_name(const std::string& file) {
   fs::path name(file);
-  if (lower(name.extension().string()) == ".gz") name.replace_extension();
+  if (lower_case(name.extension().string()) == ".gz") name.replace_extension();
   if (format_group(file) != "LAS") return name.string();
   name.replace_extension();
-  if (lower(name.extension().string()) == ".copc") name.replace_extension();
+  if (lower_case(name.extension().string()) == ".copc") name.replace_extension();
   return name.string();
 }
 
@@ -141,12 +142,6 @@ void drop_repeated(std::vector<std::string>& files) {
   });
 }
 
-std::string_view trimmed(std::string_view line) {
-  while (!line.empty() && TextScanner::is_blank(line.front())) line.remove_prefix(1);
-  while (!line.empty() && TextScanner::is_blank(line.back())) line.remove_suffix(1);
-  return line;
-}
-
 /// A name in a list: beside the list, or from the current folder.
 struct ListedName {
   std::string path;
@@ -168,7 +163,7 @@ struct ListedName {
 std::string_view first_name(std::string_view text) {
   TextScanner lines(without_byte_order_mark(text));
   while (!lines.at_end()) {
-    const std::string_view line = trimmed(lines.line());
+    const std::string_view line = without_blanks(lines.line());
     if (line.empty() || line.front() == '#') continue;
     return line.size() <= kLongestLine && line.find('\0') == std::string_view::npos ? line : std::string_view();
   }
@@ -199,7 +194,7 @@ std::vector<std::string> files_of_list(const std::string& list) {
   std::size_t number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    const std::string_view name = trimmed(number == 1 ? without_byte_order_mark(line) : line);
+    const std::string_view name = without_blanks(number == 1 ? without_byte_order_mark(line) : line);
     if (name.empty() || name.front() == '#') continue;
     if (name.size() > kLongestLine || name.find('\0') != std::string_view::npos)
       throw FileError(list, fmt::format("line {} is no name of a file", grouped(number)));

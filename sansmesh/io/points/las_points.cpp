@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/points/assemble_points.h"

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/reference_system.h"
 #include "sansmesh/error.h"
@@ -125,13 +126,9 @@ SharedSystem join_systems(const std::vector<std::string>& files, const std::vect
 std::optional<Vec3> stated_origin(const std::vector<std::string>& files, const std::optional<Box3>& selected) {
   Box3 all;
   for (const std::string& file : files) {
-    std::optional<Box3> box = stated_box(file);
+    const std::optional<Box3> box = stated_box(file);
     if (!box) return std::nullopt;
-    for (std::size_t k = 0; selected && k < 3; ++k) {
-      box->lower[k] = std::max(box->lower[k], selected->lower[k]);
-      box->upper[k] = std::min(box->upper[k], selected->upper[k]);
-    }
-    all.extend(*box);
+    all.extend(selected ? common_part(*box, *selected) : *box);
   }
   if (all.empty()) return std::nullopt;
   return choose_origin(all);

@@ -2,7 +2,7 @@
 
 #include <unordered_set>
 
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/output.h"
 
 namespace sansmesh::inline v1::io {
@@ -39,13 +39,13 @@ std::vector<OutputColumn> output_columns(const AttributeTable& table, const std:
     std::string base = word;
     for (std::size_t number = 2;; ++number) {
       bool free = true;
-      for (std::size_t c = 0; c < a.components; ++c) free = free && used.count(lower(name(base, c))) == 0;
+      for (std::size_t c = 0; c < a.components; ++c) free = free && used.count(lower_case(name(base, c))) == 0;
       if (free) break;
       base = word + "_" + std::to_string(number);
     }
     for (std::size_t c = 0; c < a.components; ++c) {
       columns.push_back({name(base, c), &a, c});
-      used.insert(lower(columns.back().name));
+      used.insert(lower_case(columns.back().name));
     }
   }
   return columns;

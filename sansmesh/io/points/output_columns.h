@@ -1,7 +1,6 @@
 // Splits attributes into columns of one number each, for formats of rows.
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>

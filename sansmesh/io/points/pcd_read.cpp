@@ -2,12 +2,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/points/assemble_points.h"
 #include "sansmesh/io/points/columns.h"
 #include "sansmesh/io/points/frame_view.h"
@@ -95,7 +94,7 @@ PcdHeader parse_header(const Input& in) {
       for (std::string_view w = words.word(); !w.empty(); w = words.word()) {
         Field& f = h.fields.emplace_back();
         f.given = std::string(w);
-        f.name = lower(w);
+        f.name = lower_case(w);
         if (h.fields.size() > 1000) in.fail("malformed PCD header: more than 1,000 fields");
       }
     } else if (key == "SIZE") {
@@ -120,7 +119,7 @@ PcdHeader parse_header(const Input& in) {
       if (!words.number(h.points)) bad();
       h.has_points = true;
     } else if (key == "DATA") {
-      h.data = lower(words.word());
+      h.data = lower_case(words.word());
       if (h.data.empty()) bad();
     } else {
       if (!seen_version && h.fields.empty()) in.fail("is not a PCD file");

@@ -1,8 +1,6 @@
 // PCD output, binary or ascii; colours packed into one float field as in the Point Cloud Library.
 #include <fmt/core.h>
 
-#include <bit>
-
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/points/output_columns.h"
 

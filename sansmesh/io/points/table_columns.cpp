@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/io/names.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::io {
@@ -34,7 +34,7 @@ std::optional<ColumnMeaning> meaning_of_names(std::string_view line) {
   for (auto f = row.field(); f; f = row.field(), ++column) {
     std::string label(*f);
     std::erase(label, '"'), std::erase(label, '\'');
-    std::string name = lower(label);
+    std::string name = lower_case(label);
     name = name.substr(0, name.find_first_of("[("));  // a unit
     while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
     given.push_back(std::move(label));

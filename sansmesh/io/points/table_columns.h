@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::inline v1::io {
@@ -41,13 +42,11 @@ class TableRow {
     if (done_) return std::nullopt;
     const std::string_view rest = scan_.rest();
     const std::size_t stop = rest.find(separator_);
-    std::string_view f = rest.substr(0, stop);
+    const std::string_view f = without_blanks(rest.substr(0, stop));
     if (stop == std::string_view::npos)
       done_ = true;
     else
       scan_ = TextScanner(rest.substr(stop + 1));
-    while (!f.empty() && TextScanner::is_blank(f.front())) f.remove_prefix(1);
-    while (!f.empty() && TextScanner::is_blank(f.back())) f.remove_suffix(1);
     if (done_ && f.empty()) return std::nullopt;  // a separator at the line's end
     return f;
   }

@@ -3,10 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <string_view>
 #include <utility>
 
@@ -45,10 +43,10 @@ class GmshNumbers {
   /// A number of following entries, each of at least `numbers` numbers.
   std::size_t count(const char* of, std::size_t numbers = 1) { return checked(size(of), of, numbers); }
   /// The same for entries with a count of four bytes.
-  std::size_t small_count(const char* of, std::size_t numbers = 1) {
+  std::size_t small_count(const char* of) {
     const std::int64_t n = whole(of);
     if (n < 0) in_.fail(fmt::format("an impossible number of {1}: {0}", n, of));
-    return checked(static_cast<std::uint64_t>(n), of, numbers);
+    return checked(static_cast<std::uint64_t>(n), of, 1);
   }
   /// A number of entries on a line of text, also in binary files.
   std::size_t line_count(const char* of, std::size_t numbers) {

@@ -3,12 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <string_view>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/tets/mesh_cells.h"
 
@@ -120,14 +119,14 @@ class MeditMesh {
 GridData read_medit_text(const Input& in) {
   NumberText text(in, in.bytes);
   MeditMesh mesh(in);
-  if (lower(text.word()) != "meshversionformatted")
+  if (lower_case(text.word()) != "meshversionformatted")
     in.fail("does not begin with 'MeshVersionFormatted', as Medit's do");
   text.whole("versions");
   bool ended = false;
   std::string last = "header";
   while (!ended && !text.at_end()) {
     if (text.at_number()) text.fail(fmt::format("more numbers than its {} should have", last));
-    last = printable(lower(text.word()), 30);
+    last = printable(lower_case(text.word()), 30);
     const char* const of = last.c_str();
     const auto real = [&] { return text.real(of); };
     const auto whole = [&] { return text.whole(of); };

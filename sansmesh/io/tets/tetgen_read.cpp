@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
@@ -106,7 +106,7 @@ void read_tetgen_cells(const Input& in, const PointNumbers& points, GridBlock& b
 /// The other file of the pair: `file` with another ending.
 std::string tetgen_beside(const std::string& file, const char* wanted) {
   std::filesystem::path path(file);
-  if (lower(path.extension().string()) == ".gz") path.replace_extension();
+  if (lower_case(path.extension().string()) == ".gz") path.replace_extension();
   path.replace_extension(wanted);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored) && std::filesystem::exists(path.string() + ".gz", ignored))

@@ -9,10 +9,10 @@
 #include <optional>
 #include <set>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/grids/header_fields.h"
 #include "sansmesh/io/grids/volume_readers.h"
-#include "sansmesh/io/names.h"
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/tets/mesh_cells.h"
 
@@ -22,12 +22,7 @@ namespace {
 constexpr int kMostIncluded = 8;       ///< nesting depth of included files
 constexpr int kMostInclusions = 1000;  ///< in total: files that include each other repeatedly would not end
 
-std::string_view trimmed(std::string_view s) {
-  s = s.substr(0, s.find('#'));
-  while (!s.empty() && TextScanner::is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && TextScanner::is_blank(s.back())) s.remove_suffix(1);
-  return s;
-}
+std::string_view without_comment(std::string_view line) { return without_blanks(line.substr(0, line.find('#'))); }
 
 class VegaFile {
  public:
@@ -67,7 +62,7 @@ class VegaFile {
     while (!text.at_end()) {
       const std::string_view word = text.word();
       if (!word.starts_with('*')) text.fail(fmt::format("'{}' instead of a section", word.substr(0, 30)));
-      const std::string section = lower(word);
+      const std::string section = lower_case(word);
       if (section == "*vertices") {
         read_vertices(in, text);
       } else if (section == "*elements") {
@@ -75,7 +70,7 @@ class VegaFile {
       } else if (section == "*include") {
         if (depth == kMostIncluded) in.fail(fmt::format("includes files in files, more than {} deep", kMostIncluded));
         if (++inclusions_ > kMostInclusions) in_.fail(fmt::format("includes more than {} files", kMostInclusions));
-        const std::string name = beside(in, trimmed(text.line()));
+        const std::string name = beside(in, without_comment(text.line()));
         const FileContent content(name);
         read_sections({name, content.bytes(), in.report}, depth + 1);
       } else if (section == "*material") {
@@ -111,7 +106,7 @@ class VegaFile {
 
   void read_elements(const Input& in, NumberText& text) {
     const char* const of = "elements";
-    const std::string kind = lower(text.word());
+    const std::string kind = lower_case(text.word());
     const std::size_t corners = kind.starts_with("tet") ? 4 : kind.starts_with("cub") ? 8 : 0;
     if (corners == 0) text.fail(fmt::format("elements of the kind '{}'; TET and CUBIC are read", printable(kind, 30)));
     if (!elements_.empty() && corners != corners_) in.fail("has elements of several kinds");
@@ -132,7 +127,7 @@ class VegaFile {
   static std::vector<std::string> words_of_section(NumberText& text) {
     std::vector<std::string> words;
     while (!text.at_end() && *text.scanner().position() != '*') {
-      const std::string_view line = trimmed(text.line());
+      const std::string_view line = without_comment(text.line());
       for (std::size_t at = 0; at < line.size();) {
         const std::size_t end = std::min(line.find_first_of(", \t", at), line.size());
         if (end > at) words.emplace_back(line.substr(at, end - at));
@@ -143,9 +138,9 @@ class VegaFile {
   }
 
   void read_material(NumberText& text) {
-    const std::string name(trimmed(text.line()));
+    const std::string name(without_comment(text.line()));
     const std::vector<std::string> words = words_of_section(text);
-    if (words.empty() || lower(words[0]) != "enu") {
+    if (words.empty() || lower_case(words[0]) != "enu") {
       other_materials_.insert(name);
       return;
     }
@@ -165,7 +160,7 @@ class VegaFile {
   }
 
   void read_set(NumberText& text) {
-    const std::string name(trimmed(text.line()));
+    const std::string name(without_comment(text.line()));
     std::vector<std::uint64_t>& set = sets_[name];
     for (const std::string& word : words_of_section(text)) {
       TextScanner s(word);

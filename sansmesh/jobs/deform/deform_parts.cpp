@@ -10,7 +10,6 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/handles/handle_shapes.h"
-#include "sansmesh/deform/maps/displacement_map.h"
 #include "sansmesh/deform/maps/folds.h"
 
 namespace sansmesh::inline v1 {
@@ -43,8 +42,6 @@ void FoldWatch::add_note(const std::string& name, std::vector<Note>& notes) cons
                    .remedy = "move them less, or in several steps, or take a smaller `alpha`",
                    .of = name});
 }
-
-Box3 with_margin(const Box3& box, double share) { return widened(box, share * box.diagonal()); }
 
 void add_corners(const Box3& box, std::vector<Vec3>& points) {
   for (int c = 0; c < 8; ++c) points.push_back(box_corner(box, c));

@@ -27,8 +27,6 @@ class FoldWatch {
   FoldReport worst_;
 };
 
-/// The box enlarged on all sides by a share of its diagonal.
-Box3 with_margin(const Box3& box, double share);
 void add_corners(const Box3& box, std::vector<Vec3>& points);
 /// Points whose bounding box contains all poses: of the first, the middle and the last.
 std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,

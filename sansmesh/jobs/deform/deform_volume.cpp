@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/maps/cut_map.h"

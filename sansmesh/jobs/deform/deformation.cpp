@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/deform/handles/handle_motion.h"
@@ -79,11 +80,8 @@ std::optional<Box3> Deformation::box_of(const DeformationMaps& maps, const Box3&
       for (int i = 0; i < kPoints; ++i) x.push_back(box.lower + Vec3{i * step.x, j * step.y, l * step.z});
   std::vector<Vec3> moved(x.size());
   maps.forward->query({.points = x}, {.values = moved});
-  Box3 found;
-  for (const Vec3& p : moved)
-    if (is_finite(p)) found.extend(p);
-  if (found.empty()) return std::nullopt;
-  return found;
+  const Box3 found = finite_bounds(moved);
+  return found.empty() ? std::nullopt : std::optional(found);
 }
 
 TriangleMesh Deformation::handle_shapes_at(double share, double size) const {

@@ -1,8 +1,7 @@
 // Displacement map of a deformation.
 #include <fmt/core.h>
 
-#include <utility>
-
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/deform/maps/displacement_map.h"

@@ -11,7 +11,6 @@
 #include "sansmesh/deform/cuts/planar_occluder.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/deform/handles/handle_file.h"

@@ -51,17 +51,17 @@ std::string motion_frame_name(const std::string& output, std::size_t frame) { re
 
 std::string part_name(const std::string& file, std::size_t number, std::size_t parts) {
   const std::size_t width = std::max<std::size_t>(3, std::to_string(parts).size());
-  return place_name(file, fmt::format("{:0{}}", number, width));
+  return tile_name(file, fmt::format("{:0{}}", number, width));
 }
 
-std::string place_name(const std::string& file, const std::string& place) {
+std::string tile_name(const std::string& file, const std::string& corner) {
   check_holds_several(file);
   const std::filesystem::path path(file);
   const auto [name, endings] = name_and_endings(path);
-  return (path.parent_path() / fmt::format("{}_{}{}", name, place, endings)).string();
+  return (path.parent_path() / fmt::format("{}_{}{}", name, corner, endings)).string();
 }
 
-std::vector<std::string> other_places(const std::string& file, const std::vector<std::string>& names) {
+std::vector<std::string> other_tiles(const std::string& file, const std::vector<std::string>& names) {
   const std::filesystem::path path(file);
   const auto [name, endings] = name_and_endings(path);
   std::set<std::string> known;

@@ -20,7 +20,6 @@
 #include "sansmesh/points/cleaning/duplicates.h"
 #include "sansmesh/points/cleaning/point_classes.h"
 #include "sansmesh/points/orientation/orient_words.h"
-#include "sansmesh/points/orientation/orientation.h"
 #include "sansmesh/points/shape/cloud_shape.h"
 #include "sansmesh/points/statistics/spacing.h"
 #include "sansmesh/triangle_mesh.h"

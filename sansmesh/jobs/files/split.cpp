@@ -104,13 +104,13 @@ SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options
   const double size = *options.tile_size;
   std::map<std::pair<double, double>, std::vector<std::uint32_t>> rows;  // by row and column
   std::vector<std::uint32_t>* last = nullptr;
-  std::pair<double, double> place;
+  std::pair<double, double> cell;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3f& p = points.positions[i];
     if (!is_finite(p)) throw DataError("there are positions that are not finite: they are in no tile");
     const std::pair at{tile_of(points.origin.y, p.y, size), tile_of(points.origin.x, p.x, size)};
-    if (!last || at != place) {
-      last = &rows[at], place = at;
+    if (!last || at != cell) {
+      last = &rows[at], cell = at;
       check_tile_count(static_cast<double>(rows.size()), static_cast<double>(options.most_parts));
     }
     last->push_back(static_cast<std::uint32_t>(i));
@@ -125,9 +125,9 @@ SplitResult split_into_tiles(const PointSet& points, const SplitOptions& options
   for (const auto& [at, samples] : rows) {
     if (samples.size() < options.min_size) continue;
     result.parts.emplace_back(take_samples(points, samples));
-    result.places.push_back(place_words(at.second * size, at.first * size));
+    result.places.push_back(corner_words(at.second * size, at.first * size));
   }
-  check_places(result.places);
+  check_corners(result.places);
   return result;
 }
 

@@ -13,15 +13,15 @@ void check_tile_count(double tiles, double most) {
     throw DataError(fmt::format("there are more than {:.0f} tiles: `tile_size` is too small", most));
 }
 
-void check_places(std::vector<std::string> places) {
-  std::sort(places.begin(), places.end());
-  const auto equal = std::adjacent_find(places.begin(), places.end());
-  if (equal != places.end())
+void check_corners(std::vector<std::string> corners) {
+  std::sort(corners.begin(), corners.end());
+  const auto equal = std::adjacent_find(corners.begin(), corners.end());
+  if (equal != corners.end())
     throw DataError("there are two tiles with the same corner " + *equal +
                     " in 12 digits: `tile_size` is too small for these coordinates");
 }
 
-std::string place_words(double left, double bottom) {
+std::string corner_words(double left, double bottom) {
   return fmt::format("{:.12g}_{:.12g}", left + 0.0, bottom + 0.0);  // no -0
 }
 

@@ -14,9 +14,9 @@ inline constexpr std::size_t kMostTiles = 10'000;
 void check_tile_count(double tiles, double most);
 
 /// Throws DataError if two tiles have the same place: files would overwrite each other.
-void check_places(std::vector<std::string> places);
+void check_corners(std::vector<std::string> corners);
 
 /// "512000_5403000": corner of a tile.
-std::string place_words(double left, double bottom);
+std::string corner_words(double left, double bottom);
 
 }  // namespace sansmesh::inline v1

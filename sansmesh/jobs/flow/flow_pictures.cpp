@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/flow/flow_model.h"
 #include "sansmesh/jobs/pictures/color_bar.h"
@@ -40,13 +41,8 @@ std::optional<ArrayChoice> color_array(const FlowModel& flow, const std::string&
 
 /// Ends of the scale without rare values, which would compress all other colours.
 std::pair<double, double> scale_ends(std::vector<double> values) {
-  const auto at = [&](double share) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
-  };
-  const double lower = at(kScaleEnd), upper = at(1 - kScaleEnd);
-  return lower < upper ? std::pair(lower, upper) : std::pair(at(0), at(1));
+  const double lower = quantile(values, kScaleEnd), upper = quantile(values, 1 - kScaleEnd);
+  return lower < upper ? std::pair(lower, upper) : std::pair(quantile(values, 0), quantile(values, 1));
 }
 
 /// Colours of the preset "flow" without the darkest, on which shading and streaks would be invisible.

@@ -1,7 +1,6 @@
 #include "sansmesh/image.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/measure/distance_map.h"
-#include "sansmesh/partition/paper/paper_options.h"
 #include "sansmesh/pictures.h"
 
 #include <algorithm>

@@ -6,27 +6,19 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <string_view>
 #include <utility>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/image.h"
 #include "sansmesh/jobs/pictures/color_bar.h"
 #include "sansmesh/pictures.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/surface/curvature.h"
-#include "sansmesh/surface/curvature_words.h"
 #include "sansmesh/surface/vertex_curvature.h"
 
 namespace sansmesh::inline v1 {
 namespace {
-
-double curvature_quantile(std::vector<float> values, double q) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
-}
 
 /// Input with the normals that were used, and the curvatures at each sample or vertex.
 struct CurvedInput {
@@ -109,9 +101,9 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
     values.push_back(curvature_quantity(c, options.color_by));
     sizes.push_back(std::abs(values.back()));
   }
-  r.q05 = curvature_quantile(values, 0.05), r.median = curvature_quantile(values, 0.5);
-  r.q95 = curvature_quantile(values, 0.95);
-  r.color_range = options.color_range.value_or(curvature_quantile(sizes, 0.95));
+  r.q05 = static_cast<double>(quantile(values, 0.05)), r.median = static_cast<double>(quantile(values, 0.5));
+  r.q95 = static_cast<double>(quantile(values, 0.95));
+  r.color_range = options.color_range.value_or(static_cast<double>(quantile(sizes, 0.95)));
   r.beyond_range =
       std::any_of(sizes.begin(), sizes.end(), [&](float s) { return static_cast<double>(s) > r.color_range; });
   const auto scale = static_cast<float>(r.color_range);

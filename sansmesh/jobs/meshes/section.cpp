@@ -9,7 +9,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 

@@ -1,4 +1,3 @@
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/mesh/edit/smooth_mesh.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"

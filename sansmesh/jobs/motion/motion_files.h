@@ -1,7 +1,6 @@
 // Files of a motion: its frames as tetrahedra, surfaces and pictures, and an animation.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>

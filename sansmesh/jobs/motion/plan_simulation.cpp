@@ -15,7 +15,6 @@
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/recommended_options.h"
 #include "sansmesh/dynamics/scene_script.h"
-#include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/motion/scene_errors.h"
 #include "sansmesh/schema/registry_words.h"

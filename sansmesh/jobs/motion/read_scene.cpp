@@ -1,7 +1,6 @@
 // Reads bodies and scenes from files.
 #include <filesystem>
 #include <memory>
-#include <utility>
 
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/error.h"

@@ -9,7 +9,6 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/given_options.h"
-#include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {

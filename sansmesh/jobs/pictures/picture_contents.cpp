@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/surface_model.h"

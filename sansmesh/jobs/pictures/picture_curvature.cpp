@@ -1,10 +1,10 @@
 #include "sansmesh/jobs/pictures/picture_curvature.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/points/shape/face_shape.h"
@@ -45,9 +45,7 @@ std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, 
   double spacing = model.frame().from_input(std::max(report.spacing, 2 * report.noise));
   if (!(spacing > 0)) {  // no samples were kept
     std::vector<float> radii = model.balls().radii;
-    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-    std::nth_element(radii.begin(), middle, radii.end());
-    spacing = static_cast<double>(*middle);
+    spacing = static_cast<double>(median(radii));
   }
   return std::make_unique<ModelCurvature>(model, kCurvatureStep * spacing, progress);
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
@@ -13,11 +12,9 @@
 #include "sansmesh/jobs/pictures/picture_checks.h"
 #include "sansmesh/jobs/pictures/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/statistics/sample_confidence.h"
 #include "sansmesh/render/scene/color_words.h"
 #include "sansmesh/render_options.h"
-#include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"

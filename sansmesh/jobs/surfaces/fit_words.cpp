@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/points/orientation/orient_words.h"
 
 namespace sansmesh::inline v1 {
 

@@ -204,7 +204,7 @@ std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_si
   for (std::int64_t row = lowest; row <= highest; ++row)
     for (std::int64_t column = first; column <= last; ++column) {
       // Tiles are complete squares, so that they fit; those without heights are left out.
-      HeightTile tile{place_words(static_cast<double>(column) * tile_size, static_cast<double>(row) * tile_size),
+      HeightTile tile{corner_words(static_cast<double>(column) * tile_size, static_cast<double>(row) * tile_size),
                       {{static_cast<int>(cells), static_cast<int>(cells), std::numeric_limits<float>::quiet_NaN()},
                        grid.cell,
                        static_cast<double>(column) * tile_size,
@@ -224,7 +224,7 @@ std::vector<HeightTile> split_height_grid(const HeightGrid& grid, double tile_si
   std::vector<std::string> places;
   places.reserve(tiles.size());
   for (const HeightTile& tile : tiles) places.push_back(tile.place);
-  check_places(std::move(places));
+  check_corners(std::move(places));
   return tiles;
 }
 

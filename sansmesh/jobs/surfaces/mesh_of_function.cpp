@@ -1,4 +1,3 @@
-#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/functions.h"
 

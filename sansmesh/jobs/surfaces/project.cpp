@@ -9,7 +9,6 @@
 
 #include <fmt/core.h>
 
-#include <cstdint>
 #include <string_view>
 #include <utility>
 

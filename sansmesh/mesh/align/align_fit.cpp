@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"

@@ -1,9 +1,7 @@
 // Fits samples to a surface by a motion, from a nearby start.
 #pragma once
 
-#include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "sansmesh/mesh/align/align_side.h"

@@ -1,11 +1,6 @@
 // Alignment of one surface with another.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "sansmesh/local_frame.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/option.h"

@@ -1,10 +1,9 @@
 #include "sansmesh/mesh/booleans/arrangement.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/mesh/booleans/triangle_cutter.h"
@@ -14,12 +13,6 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPairChunk = 64, kCutChunk = 32;
-
-float rounded_down(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) > v ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float rounded_up(double v) { return -rounded_down(-v); }
 
 int common_corners(const Triangle& a, const Triangle& b) {
   int common = 0;
@@ -303,8 +296,7 @@ class Cutting {
 Box3f triangle_box(const SolidTriangles& in, std::size_t triangle) {
   Box3 box;
   for (const std::uint32_t v : in.triangles[triangle]) box.extend(in.corners[v]);
-  return {{rounded_down(box.lower.x), rounded_down(box.lower.y), rounded_down(box.lower.z)},
-          {rounded_up(box.upper.x), rounded_up(box.upper.y), rounded_up(box.upper.z)}};
+  return rounded_outward(box);
 }
 
 std::vector<Box3f> triangle_boxes(const SolidTriangles& in) {

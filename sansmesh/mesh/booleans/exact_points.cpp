@@ -64,15 +64,15 @@ struct ExactSpace::Quotient {
 };
 
 template <class N>
-std::array<N, 3> ExactSpace::place(std::uint32_t v) const {
+std::array<N, 3> ExactSpace::position(std::uint32_t v) const {
   const Vec3& x = corners_[v];
   return {N(x.x), N(x.y), N(x.z)};
 }
 
 template <class N>
 std::array<N, 3> ExactSpace::normal(const FacePlane& plane) const {
-  const Triple<N> a = place<N>(plane.corner[0]), along = difference(place<N>(plane.corner[1]), a);
-  if (plane.axis < 0) return outer(along, difference(place<N>(plane.corner[2]), a));
+  const Triple<N> a = position<N>(plane.corner[0]), along = difference(position<N>(plane.corner[1]), a);
+  if (plane.axis < 0) return outer(along, difference(position<N>(plane.corner[2]), a));
   Triple<N> direction{N(0), N(0), N(0)};
   direction[static_cast<std::size_t>(plane.axis)] = N(1);
   return outer(along, direction);
@@ -81,14 +81,14 @@ std::array<N, 3> ExactSpace::normal(const FacePlane& plane) const {
 template <class N>
 ExactSpace::Quotient<N> ExactSpace::quotient(const ExactPoint& point) const {
   if (point.kind == ExactPoint::Kind::crossing) {
-    const Triple<N> a = place<N>(point.edge[0]), d = difference(place<N>(point.edge[1]), a);
+    const Triple<N> a = position<N>(point.edge[0]), d = difference(position<N>(point.edge[1]), a);
     const Triple<N> n = normal<N>(point.planes[0]);
-    return {a, scaled(d, product(n, difference(place<N>(point.planes[0].corner[0]), a))), product(n, d)};
+    return {a, scaled(d, product(n, difference(position<N>(point.planes[0].corner[0]), a))), product(n, d)};
   }
-  const Triple<N> o = place<N>(point.planes[0].corner[0]);
+  const Triple<N> o = position<N>(point.planes[0].corner[0]);
   const Triple<N> n0 = normal<N>(point.planes[0]), n1 = normal<N>(point.planes[1]), n2 = normal<N>(point.planes[2]);
-  const N d1 = product(n1, difference(place<N>(point.planes[1].corner[0]), o));
-  const N d2 = product(n2, difference(place<N>(point.planes[2].corner[0]), o));
+  const N d1 = product(n1, difference(position<N>(point.planes[1].corner[0]), o));
+  const N d2 = product(n2, difference(position<N>(point.planes[2].corner[0]), o));
   return {o, sum(scaled(outer(n2, n0), d1), scaled(outer(n0, n1), d2)), product(n0, outer(n1, n2))};
 }
 
@@ -140,7 +140,7 @@ ExactMean ExactSpace::mean(const ExactPoint& a, const ExactPoint& b, const Exact
   return m;
 }
 
-ExactSpace::Homogeneous ExactSpace::homogeneous(std::uint32_t corner) const { return {place<Dyadic>(corner), 1.0}; }
+ExactSpace::Homogeneous ExactSpace::homogeneous(std::uint32_t corner) const { return {position<Dyadic>(corner), 1.0}; }
 
 ExactSpace::Homogeneous ExactSpace::homogeneous(const ExactPoint& point) const {
   if (point.kind == ExactPoint::Kind::corner) return homogeneous(point.edge[0]);
@@ -174,17 +174,17 @@ int ExactSpace::side(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uin
                        ((std::abs(yz) + std::abs(zy)) * std::abs(r.x) + (std::abs(zx) + std::abs(xz)) * std::abs(r.y) +
                         (std::abs(xy) + std::abs(yx)) * std::abs(r.z));
   if (std::abs(value) > bound + kLeastBound) return value > 0 ? 1 : -1;
-  if (side_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), place<Residue>(d)).zero()) return 0;
-  return side_of(place<Dyadic>(a), place<Dyadic>(b), place<Dyadic>(c), place<Dyadic>(d)).sign();
+  if (side_of(position<Residue>(a), position<Residue>(b), position<Residue>(c), position<Residue>(d)).zero()) return 0;
+  return side_of(position<Dyadic>(a), position<Dyadic>(b), position<Dyadic>(c), position<Dyadic>(d)).sign();
 }
 
 int ExactSpace::side(std::uint32_t a, std::uint32_t b, std::uint32_t c, const ExactMean& p) const {
-  const int known = side_of(place<Bounded>(a), place<Bounded>(b), place<Bounded>(c), p.at).sign();
+  const int known = side_of(position<Bounded>(a), position<Bounded>(b), position<Bounded>(c), p.at).sign();
   if (known != 0) return known;
-  if (side_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), p.residue).zero()) return 0;
+  if (side_of(position<Residue>(a), position<Residue>(b), position<Residue>(c), p.residue).zero()) return 0;
   const Homogeneous h = homogeneous(p);
-  const Triple<Dyadic> from = place<Dyadic>(a);
-  const Triple<Dyadic> n = outer(difference(place<Dyadic>(b), from), difference(place<Dyadic>(c), from));
+  const Triple<Dyadic> from = position<Dyadic>(a);
+  const Triple<Dyadic> n = outer(difference(position<Dyadic>(b), from), difference(position<Dyadic>(c), from));
   return product(n, difference(h.x, scaled(from, h.w))).sign() * h.w.sign();
 }
 
@@ -201,14 +201,14 @@ int ExactSpace::turn(std::uint32_t a, std::uint32_t b, std::uint32_t c, int axis
   const Vec3 p = corners_[b] - corners_[a], q = corners_[c] - corners_[a];
   const double left = p[i] * q[j], right = p[j] * q[i], value = left - right;
   if (std::abs(value) > kTurnError * (std::abs(left) + std::abs(right)) + kLeastBound) return value > 0 ? 1 : -1;
-  if (turn_of(place<Residue>(a), place<Residue>(b), place<Residue>(c), axis).zero()) return 0;
+  if (turn_of(position<Residue>(a), position<Residue>(b), position<Residue>(c), axis).zero()) return 0;
   return exact_turn(homogeneous(a), homogeneous(b), homogeneous(c), axis);
 }
 
 int ExactSpace::turn(std::uint32_t a, std::uint32_t b, const ExactMean& p, int axis) const {
-  const int known = turn_of(place<Bounded>(a), place<Bounded>(b), p.at, axis).sign();
+  const int known = turn_of(position<Bounded>(a), position<Bounded>(b), p.at, axis).sign();
   if (known != 0) return known;
-  if (turn_of(place<Residue>(a), place<Residue>(b), p.residue, axis).zero()) return 0;
+  if (turn_of(position<Residue>(a), position<Residue>(b), p.residue, axis).zero()) return 0;
   return exact_turn(homogeneous(a), homogeneous(b), homogeneous(p), axis);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -30,7 +29,7 @@ struct ExactPoint {
   std::array<Bounded, 3> at;
   std::array<Residue, 3> residue;
 
-  bool same_place(const ExactPoint& o) const { return residue == o.residue; }
+  bool same_position(const ExactPoint& o) const { return residue == o.residue; }
   Vec3 approximate() const { return {at[0].value, at[1].value, at[2].value}; }
 };
 
@@ -82,7 +81,7 @@ class ExactSpace {
   Homogeneous homogeneous(const ExactMean& point) const;
   static int exact_turn(const Homogeneous& a, const Homogeneous& b, const Homogeneous& c, int axis);
   template <class N>
-  std::array<N, 3> place(std::uint32_t v) const;
+  std::array<N, 3> position(std::uint32_t v) const;
   template <class N>
   std::array<N, 3> normal(const FacePlane& plane) const;
   template <class N>

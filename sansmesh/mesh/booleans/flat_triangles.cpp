@@ -1,6 +1,5 @@
 #include "sansmesh/mesh/booleans/flat_triangles.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "sansmesh/mesh/booleans/triangle_cutter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 

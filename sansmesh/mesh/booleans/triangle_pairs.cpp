@@ -22,7 +22,7 @@ class PairPoints {
 
   void add(const ExactPoint& p) {
     for (std::size_t i = first_; i < found_.points.size(); ++i)
-      if (found_.points[i].same_place(p)) return note(i);
+      if (found_.points[i].same_position(p)) return note(i);
     found_.points.push_back(p);
     note(found_.points.size() - 1);
   }

@@ -1,7 +1,6 @@
 // Exact intersections of pairs of triangles.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

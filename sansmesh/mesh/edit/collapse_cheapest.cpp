@@ -181,29 +181,12 @@ struct CheapestEdges {
 
   /// Computes `to`, `cost` and `blocked` of a vertex.
   void find_cheapest(std::uint32_t v) {
-    mesh.to[v] = kNoVertex;
-    mesh.blocked[v] = 0;
-    if (mesh.fixed[v] || mesh.crowded(v)) return;
-    std::array<Collapse, kMostRing + 1> all;
-    EdgeCollapses::Neighbours neighbours;
-    const std::size_t count = mesh.neighbours_of(v, neighbours);
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t w = neighbours[k];
-      if (w > v && !mesh.fixed[w] && !mesh.crowded(w)) all[n++] = measure(v, w);
-    }
-    while (n > 0) {  // expensive tests only for the cheapest, then for the next one
-      const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
-        return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
-      });
-      if (possible(v, *best)) {
-        mesh.to[v] = best->with;
-        mesh.cost[v] = stored(best->cost);
-        return;
-      }
-      *best = all[--n];
-      mesh.blocked[v] = 1;
-    }
+    const auto later = [&](std::uint32_t w, Collapse& c) {
+      if (w > v) c = measure(v, w);
+      return w > v;
+    };
+    if (const auto best = mesh.cheapest(v, later, [&](const Collapse& c) { return possible(v, c); }))
+      mesh.cost[v] = stored(best->cost);
   }
 
   Entry entry(std::uint32_t v) const {

@@ -1,7 +1,6 @@
 #include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/core/edge_key.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>

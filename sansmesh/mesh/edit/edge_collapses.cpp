@@ -266,32 +266,14 @@ bool EdgeCollapses::possible(std::uint32_t a, const Collapse& c, const Guard& gu
 }
 
 void EdgeCollapses::find_cheapest(std::uint32_t v) {
-  to[v] = kNoVertex;
-  blocked[v] = 0;
-  if (fixed[v] || crowded(v)) return;
-  std::array<Collapse, kMostRing + 1> all;
-  Neighbours neighbours;
-  const std::size_t count = neighbours_of(v, neighbours);
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t w = neighbours[k];
-    if (w < v || fixed[w] || crowded(w) || !(quadric[v].weight + quadric[w].weight > 0)) continue;
-    all[n] = measure(v, w);
+  const auto accept = [&](std::uint32_t w, Collapse& c) {
+    if (w < v || !(quadric[v].weight + quadric[w].weight > 0)) return false;
+    c = measure(v, w);
     const double most = limit.empty() ? error : std::min<double>(error, std::min(limit[v], limit[w]));
-    n += all[n].cost <= most * most;
-  }
-  while (n > 0) {  // expensive tests only for the cheapest, then for the next one
-    const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
-      return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
-    });
-    if (possible(v, *best)) {
-      to[v] = best->with;
-      cost[v] = static_cast<float>(best->cost);
-      return;
-    }
-    *best = all[--n];
-    blocked[v] = 1;
-  }
+    return c.cost <= most * most;
+  };
+  if (const auto best = cheapest(v, accept, [&](const Collapse& c) { return possible(v, c); }))
+    cost[v] = static_cast<float>(best->cost);
 }
 
 std::uint64_t EdgeCollapses::key(std::uint32_t v) const {

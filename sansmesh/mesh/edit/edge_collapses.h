@@ -5,8 +5,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "sansmesh/box.h"
@@ -154,6 +154,32 @@ struct EdgeCollapses {
 
   /// Whether a collapse keeps the topology and the valences, and the changed triangles meet the requirements.
   bool possible(std::uint32_t a, const Collapse& c, const Guard& guard) const;
+
+  /// The cheapest collapse of v that is possible(collapse), among those that measure(neighbour, collapse) computes and
+  /// accepts. Sets to[v], and blocked[v] to whether a cheaper one is impossible.
+  template <class Measure, class Possible>
+  std::optional<Collapse> cheapest(std::uint32_t v, const Measure& measure, const Possible& possible) {
+    to[v] = kNoVertex, blocked[v] = 0;
+    if (fixed[v] || crowded(v)) return std::nullopt;
+    std::array<Collapse, kMostRing + 1> all;
+    Neighbours neighbours;
+    const std::size_t count = neighbours_of(v, neighbours);
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < count; ++k)
+      if (const std::uint32_t w = neighbours[k]; !fixed[w] && !crowded(w)) n += measure(w, all[n]);
+    while (n > 0) {  // expensive tests only for the cheapest, then for the next one
+      const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
+        return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
+      });
+      if (possible(*best)) {
+        to[v] = best->with;
+        return *best;
+      }
+      *best = all[--n];
+      blocked[v] = 1;
+    }
+    return std::nullopt;
+  }
 
   /// Computes `to`, `cost` and `blocked` of a vertex.
   void find_cheapest(std::uint32_t v);

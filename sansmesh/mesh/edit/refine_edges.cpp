@@ -4,7 +4,6 @@
 #include <unordered_map>
 
 #include "sansmesh/core/edge_key.h"
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/mesh_vertices.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,7 +14,6 @@
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/mesh_noise.h"
-#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/mesh_measures.h"

@@ -1,9 +1,6 @@
 // Volume-preserving removal of noise from a mesh.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/repair_options.h"

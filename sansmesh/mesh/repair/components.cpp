@@ -1,6 +1,5 @@
 #include "sansmesh/mesh/repair/components.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 

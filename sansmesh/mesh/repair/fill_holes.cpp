@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -11,7 +10,6 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/repair/hole_loops.h"
 #include "sansmesh/mesh/repair/hole_patch.h"
 #include "sansmesh/mesh/repair/position_edges.h"

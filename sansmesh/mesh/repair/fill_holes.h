@@ -1,11 +1,6 @@
 // Finds and fills the holes of a mesh.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/repair_options.h"

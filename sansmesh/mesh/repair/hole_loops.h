@@ -1,9 +1,7 @@
 // Boundary loops of a mesh whose coincident vertices are identified.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "sansmesh/box.h"

@@ -1,8 +1,6 @@
 #include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/core/edge_key.h"
 
-#include <algorithm>
-
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"

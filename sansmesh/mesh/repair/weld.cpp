@@ -1,14 +1,10 @@
 #include "sansmesh/mesh/repair/weld.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "sansmesh/data/triangles.h"
-#include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/cleaning/close_points.h"
 

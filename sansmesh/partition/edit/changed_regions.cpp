@@ -1,9 +1,6 @@
 #include "sansmesh/partition/edit/changed_regions.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"

@@ -2,7 +2,6 @@
 #include "sansmesh/fit_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/partition/fit/local_fit.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -73,7 +73,7 @@ void fill_batch(std::span<const Vec3f> x, float unit, float* ratio, FarBatch& ba
   }
 }
 
-/// Calls sum(n, batch) for batches of n points, then take(i, batch, k) for point i, k-th in its batch.
+/// Calls sum(n, batch) for batches of n points, then take(i, batch, k, ratio) for point i, k-th in its batch.
 template <class Sum, class Take>
 void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const Take& take) {
   FarBatch batch;
@@ -82,7 +82,7 @@ void for_each_batch(std::span<const Vec3f> x, float unit, const Sum& sum, const 
     const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
     fill_batch(x.subspan(first, n), unit, ratio, batch);
     sum(n, batch);
-    for (std::size_t i = 0; i < n; ++i) take(first + i, batch, i);
+    for (std::size_t i = 0; i < n; ++i) take(first + i, batch, i, ratio[i]);
   }
 }
 
@@ -97,7 +97,7 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
   if (empty()) return;
   for_each_batch(
       x, unit_, [&](std::size_t n, FarBatch& b) { sum_sources(tree_, FarSums::winding, false, n, b); },
-      [&](std::size_t i, const FarBatch& b, std::size_t k) { values[i] = b.sum[0][k] / kWhole; });
+      [&](std::size_t i, const FarBatch& b, std::size_t k, float) { values[i] = b.sum[0][k] / kWhole; });
 }
 
 void GlobalSign::easy_signs(std::span<const Vec3f> x, std::span<float> signs) const {
@@ -105,7 +105,7 @@ void GlobalSign::easy_signs(std::span<const Vec3f> x, std::span<float> signs) co
   if (empty() || open_) return;
   for_each_batch(
       x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, false, n, b); },
-      [&](std::size_t i, const FarBatch& b, std::size_t k) {
+      [&](std::size_t i, const FarBatch& b, std::size_t k, float) {
         const float over = b.sum[0][k] / kWhole - 0.5f;
         if (std::abs(over) > kClearWinding) signs[i] = over > 0 ? -1.0f : 1.0f;
       });
@@ -145,45 +145,36 @@ void GlobalSign::rough_distance(std::span<const Vec3f> x, std::span<float> value
   std::fill(values.begin(), values.end(), 0.0f);
   std::fill(most.begin(), most.end(), std::numeric_limits<float>::infinity());
   if (empty() || !open_) return;
-  FarBatch batch;
-  float ratio[FarBatch::kBatch];
-  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
-    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    fill_batch(x.subspan(first, n), unit_, ratio, batch);
-    sum_roughly(tree_, true, n, batch);
-    for (std::size_t i = 0; i < n; ++i) {
-      FarValue f;
-      float in_units = 0;
-      open_value(batch, i, false, ratio[i], unit_, f, in_units);
-      if (!(batch.sum[2][i] > 0)) continue;
-      values[first + i] = f.value;
-      most[first + i] = batch.sum[1][i] / batch.sum[2][i] * ratio[i] * unit_;
-    }
-  }
+  for_each_batch(
+      x, unit_, [&](std::size_t n, FarBatch& b) { sum_roughly(tree_, true, n, b); },
+      [&](std::size_t i, const FarBatch& b, std::size_t k, float ratio) {
+        FarValue f;
+        float in_units = 0;
+        open_value(b, k, false, ratio, unit_, f, in_units);
+        if (!(b.sum[2][k] > 0)) return;
+        values[i] = f.value;
+        most[i] = b.sum[1][k] / b.sum[2][k] * ratio * unit_;
+      });
 }
 
 void GlobalSign::far_values(std::span<const Vec3f> x, bool gradient, std::span<FarValue> values) const {
   std::fill(values.begin(), values.end(), FarValue{});
   if (empty()) return;
-  FarBatch batch;
-  float ratio[FarBatch::kBatch];
-  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
-    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    fill_batch(x.subspan(first, n), unit_, ratio, batch);
-    sum_sources(tree_, open_ ? FarSums::open : FarSums::closed, gradient, n, batch);
-    for (std::size_t i = 0; i < n; ++i) {
-      FarValue& f = values[first + i];
-      float in_units = 0;
-      (open_ ? open_value : closed_value)(batch, i, gradient, ratio[i], unit_, f, in_units);
-      f.weight = batch.sum[2][i];
-      if (!gradient) continue;
-      for (std::size_t a = 0; a < 3; ++a) f.weight_gradient[a] = batch.slope[2][a][i] / unit_;
-      if (ratio[i] > 1) {  // beyond kFar values grow in proportion along the ray
-        const Vec3f p{batch.x[0][i], batch.x[1][i], batch.x[2][i]}, ray = normalized(p);
-        f.gradient += ray * (in_units / norm(p) - dot(ray, f.gradient));
-      }
-    }
-  }
+  for_each_batch(
+      x, unit_,
+      [&](std::size_t n, FarBatch& b) { sum_sources(tree_, open_ ? FarSums::open : FarSums::closed, gradient, n, b); },
+      [&](std::size_t i, const FarBatch& b, std::size_t k, float ratio) {
+        FarValue& f = values[i];
+        float in_units = 0;
+        (open_ ? open_value : closed_value)(b, k, gradient, ratio, unit_, f, in_units);
+        f.weight = b.sum[2][k];
+        if (!gradient) return;
+        for (std::size_t a = 0; a < 3; ++a) f.weight_gradient[a] = b.slope[2][a][k] / unit_;
+        if (ratio > 1) {  // beyond kFar values grow in proportion along the ray
+          const Vec3f p{b.x[0][k], b.x[1][k], b.x[2][k]}, ray = normalized(p);
+          f.gradient += ray * (in_units / norm(p) - dot(ray, f.gradient));
+        }
+      });
 }
 
 void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients) const {

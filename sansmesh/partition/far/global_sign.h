@@ -1,9 +1,7 @@
 // Sign of the function far from all supports: the generalised winding number of the patches of all local functions.
 #pragma once
 
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "sansmesh/partition/far/far_tree.h"
 #include "sansmesh/vec.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/far/sheets.h"
@@ -103,8 +104,8 @@ std::vector<OrientedPatch> sample_patches(std::span<const Vec3f> positions, std:
   tree.for_each_nearest(kNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
     std::array<float, kNeighbours> around;
     for (std::size_t k = 0; k < found.size(); ++k) around[k] = area[found[k].index];
-    std::nth_element(around.begin(), around.begin() + kNeighbours / 3, around.begin() + found.size());
-    patches[slot] = {tree.position(slot), normals[tree.order()[slot]] * std::min(area[slot], around[kNeighbours / 3])};
+    const float usual = nth_smallest(std::span(around).first(found.size()), kNeighbours / 3);
+    patches[slot] = {tree.position(slot), normals[tree.order()[slot]] * std::min(area[slot], usual)};
   });
   return patches;
 }

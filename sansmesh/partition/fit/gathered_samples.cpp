@@ -7,7 +7,6 @@
 #include <hwy/highway.h>
 // clang-format on
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

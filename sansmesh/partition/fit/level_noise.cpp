@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/fit/neighbour_walk.h"
 
@@ -88,13 +89,10 @@ double find_noise(const BlockFitter& fitter, double samples, ScaleChoice& choice
     }
     // If few blocks hold enough samples, those are not typical.
     if (known >= kKnownNoise * samples) {
-      const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
-      std::nth_element(noises.begin(), middle, noises.end());
       level_of_estimate = choice.finest;
-      choice.variance = *middle;
-      const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
-      std::nth_element(noises.begin(), low, middle + 1);
-      evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, *low) / choice.variance) : 0;
+      choice.variance = median(noises);
+      const auto low = nth_smallest(noises, noises.size() / kLowestTenth);
+      evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, low) / choice.variance) : 0;
       const double most = fitter.height > 0 ? kMostTallNoise : kMostNoise;
       if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/partition/fit/child_density.h"
@@ -386,10 +387,8 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
   for (const Trial& t : choice.trials[static_cast<std::size_t>(choice.finest)])
     if (t.highest >= 1 && t.reach == 1) counts.push_back(t.effective_count);
   if (counts.empty()) return 0;
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-  std::nth_element(counts.begin(), middle, counts.end());
   // (Σ w)² / Σ w² of the weights (1 − t²)² over a disc is 5/9 of the samples in it.
-  return fitter.fit_radius(choice.finest) * std::sqrt(5 * std::numbers::pi / (9 * *middle));
+  return fitter.fit_radius(choice.finest) * std::sqrt(5 * std::numbers::pi / (9 * median(counts)));
 }
 
 }  // namespace

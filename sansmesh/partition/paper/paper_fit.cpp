@@ -1,7 +1,6 @@
 #include "sansmesh/partition/paper/paper_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>

@@ -12,8 +12,6 @@
 // On the deepest level every block takes its best fit. Blocks that only balance subdivides keep their function.
 #pragma once
 
-#include <cstddef>
-
 #include "sansmesh/fit_options.h"
 #include "sansmesh/partition/paper/paper_options.h"
 #include "sansmesh/partition/partition_data.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/partition/local_function.h"
 
 namespace sansmesh::inline v1 {
 

@@ -1,7 +1,6 @@
 // Options of the robust adaptive partition of unity as published (tejada2008, 4.4; polizelli).
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "sansmesh/fit_options.h"

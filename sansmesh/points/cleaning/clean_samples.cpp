@@ -1,7 +1,6 @@
 #include "sansmesh/points/cleaning/clean_samples.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>

@@ -116,7 +116,7 @@ std::vector<std::uint8_t> find_hidden_from_above(const RelationGraph& graph) {
     }
     return above;
   };
-  // Most places have one sheet. Some samples of each run show which do; a region has many runs.
+  // Most regions have one sheet. Some samples of each run show which do; a region has many runs.
   std::vector<std::uint8_t> hidden(n);
   parallel_for(0, (known.size() + kRun - 1) / kRun, 4, [&](std::size_t run) {
     const auto samples = std::span(known).subspan(run * kRun, std::min(kRun, known.size() - run * kRun));

@@ -53,14 +53,6 @@ int class_of(T v) {
   return number >= 0 && number < 256 ? static_cast<int>(number) : -1;
 }
 
-/// Lower-case word without surrounding blanks.
-std::string plain_word(std::string_view word) {
-  constexpr std::string_view kBlanks = " \t";
-  const std::size_t first = word.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return lower_case(word.substr(first, word.find_last_not_of(kBlanks) - first + 1));
-}
-
 [[noreturn]] void refuse_class(const std::string& word) {
   std::string names;
   for (const std::string_view name : kClassNames) names += ", " + std::string(name);
@@ -97,7 +89,7 @@ std::string class_words(unsigned number) {
 PointClasses parse_point_classes(std::string_view list) {
   PointClasses classes;
   for (const std::string& entry : between_commas(list)) {
-    const std::string word = plain_word(entry);
+    const std::string word = lower_case(without_blanks(entry));
     if (parse_class_range(word, classes)) continue;
     const auto* const name = std::find(std::begin(kClassNames), std::end(kClassNames), word);
     const auto* const group = std::find_if(std::begin(kClassGroups), std::end(kClassGroups),
@@ -132,7 +124,7 @@ std::string_view point_class_name(unsigned number) {
 const Attribute* find_point_classes(const PointSet& points) {
   for (const std::string_view wanted : {"classification", "scalar_classification", "class"})
     for (const Attribute& a : points.attributes)
-      if (a.components == 1 && plain_word(a.name) == wanted) return &a;
+      if (a.components == 1 && lower_case(without_blanks(a.name)) == wanted) return &a;
   return nullptr;
 }
 

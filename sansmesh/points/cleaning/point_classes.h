@@ -2,11 +2,7 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstddef>
-#include <cstdint>
-#include <string>
-#include <string_view>
 
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"

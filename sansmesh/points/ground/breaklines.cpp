@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Places per edge of a bin that decide which bins a piece passes through.
+/// Points per edge of a bin that decide which bins a piece passes through.
 constexpr int kPlacesOfPiece = 8;
 /// Least length of pieces inside a line, and the largest distance of the left out vertices (edges).
 constexpr double kLeastPiece = 1.0 / 16, kStraightPiece = 1.0 / 50;
@@ -92,13 +92,13 @@ class PieceCutter {
       throw DataError(
           fmt::format("the breaklines are too long: more than {:.0f} spacings of the samples", kMostPieces));
     for (double i = 0; i < count; ++i) {
-      const auto place = [&](double share) { return a + step * (from + (to - from) * share); };
-      const Vec3 b = place(i / count), c = place((i + 1) / count);
+      const auto point_at = [&](double share) { return a + step * (from + (to - from) * share); };
+      const Vec3 b = point_at(i / count), c = point_at((i + 1) / count);
       pieces_.push_back({b.x, b.y, c.x, c.y});
       to_height_ -= length / count;
       if (to_height_ > 0) continue;
       to_height_ += edge_;
-      if (heights) pieces_.back().height = place((i + 0.5) / count).z;
+      if (heights) pieces_.back().height = point_at((i + 0.5) / count).z;
     }
   }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
@@ -53,9 +54,7 @@ struct Bins {
 
 Bins make_bins(const PointSet& points, double edge, std::size_t levels) {
   Bins bins;
-  Box3f box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(p);
+  const Box3f box = finite_bounds(points.positions);
   bins.edge = edge;
   bins.left = static_cast<double>(box.lower.x), bins.bottom = static_cast<double>(box.lower.y);
   const auto count = [&](float extent) { return whole_part<std::ptrdiff_t>(static_cast<double>(extent) / edge) + 1; };
@@ -288,9 +287,7 @@ double least_step(HeightFinder finder, const PixelMap<float>& map, const X& x_of
 
 GroundHeights make_ground_heights(const PointSet& points, const GroundHeightOptions& options, Progress& progress) {
   progress.begin("heights");
-  Box3f box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(p);
+  const Box3f box = finite_bounds(points.positions);
   if (box.empty()) throw DataError("no finite points");
   const double cell = options.cell;
   const auto below = [&](double x) { return std::floor(x / cell); };

@@ -6,7 +6,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Position relative to the place of the plane, with its weight.
+/// Position relative to the point of the plane, with its weight.
 struct PlaneValue {
   double x, y, z, weight;
 };

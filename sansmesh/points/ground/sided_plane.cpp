@@ -11,7 +11,7 @@ namespace {
 constexpr double kStrays = 0.1;
 /// Parameters of a plane.
 constexpr double kPlaneParameters = 3;
-/// Least number of values in a half plane, and its distance beyond the place (spacings).
+/// Least number of values in a half plane, and its distance beyond the point (spacings).
 constexpr std::size_t kFewestOfSide = 8;
 constexpr double kBeyondPlace = 0.5;
 /// Half planes, and the largest share of the deviation of all values that one may have.
@@ -19,7 +19,7 @@ constexpr int kSides = 8;
 constexpr double kBetterSide = 0.33;
 /// The half plane counts in full from twice the least deviation on, and if its own is half of that share.
 constexpr double kClearlyBetter = 2;
-/// Weight of the nearest value, which shows the side of the place, beside the mean square of all.
+/// Weight of the nearest value, which shows the side of the point, beside the mean square of all.
 constexpr double kNearestWeight = 0.5;
 
 double distance_from(const LocalPlane& plane, const PlaneValue& v) {
@@ -67,7 +67,7 @@ double SidedPlanes::height(std::span<const PlaneValue> values, double least) {
         std::hypot(deviation_from(plane, side_), std::sqrt(kNearestWeight) * distance_from(plane, nearest));
     if (of_side >= best) continue;
     best = of_side;
-    // A plane may not exceed its values: they are on one side of the place.
+    // A plane may not exceed its values: they are on one side of the point.
     const auto [low, high] =
         std::minmax_element(side_.begin(), side_.end(), [](const auto& a, const auto& b) { return a.z < b.z; });
     height = std::clamp(plane.height, low->z - best, high->z + best);

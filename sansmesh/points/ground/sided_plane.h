@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Fits planes at places of which some are near a step or an edge: there, samples on one side are better than all.
+/// Fits planes at points of which some are near a step or an edge: there, samples on one side are better than all.
 class SidedPlanes {
  public:
   /// `unit`: spacing of the samples (length).

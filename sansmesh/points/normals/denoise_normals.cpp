@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <numbers>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "sansmesh/core/check_range.h"

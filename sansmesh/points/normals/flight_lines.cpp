@@ -123,8 +123,8 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
   }
   first.push_back(order.size());
   std::vector<Vec3f> towards(n, Vec3f{0, 0, 1});
-  std::vector<std::uint8_t> tells(first.size() - 1, 0);
-  parallel_for(0, tells.size(), 1, [&](std::size_t s) {
+  std::vector<std::uint8_t> known(first.size() - 1, 0);
+  parallel_for(0, known.size(), 1, [&](std::size_t s) {
     const std::span<const std::uint32_t> samples(order.data() + first[s], first[s + 1] - first[s]);
     if (samples.size() < kFewestInStretch) return;
     std::vector<std::array<double, 4>> rows;
@@ -137,11 +137,11 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
     }
     const auto side = StretchSums(rows).across();
     if (!side) return;
-    tells[s] = 1;
+    known[s] = 1;
     for (const std::uint32_t i : samples)
       towards[i] = Vec3f(*side * -std::sin(radians(i)) + Vec3{0, 0, std::cos(radians(i))});
   });
-  if (std::find(tells.begin(), tells.end(), 1) == tells.end()) return {};
+  if (std::find(known.begin(), known.end(), 1) == known.end()) return {};
   return towards;
 }
 

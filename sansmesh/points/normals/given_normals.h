@@ -1,9 +1,6 @@
 // Assessment of the given normals of a cloud.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/normals/sensor_directions.h"

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"

@@ -1,9 +1,6 @@
 // Estimates unoriented normals from neighbouring samples.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"

@@ -188,10 +188,6 @@ bool OrientationReport::certain() const {
                                        : agreement >= kLittleContradiction && doubt <= kMostDoubt;
 }
 
-OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
-  return judge_some(points, known_noise, false).check;
-}
-
 OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise, bool with_doubt) {
   return judge_some(points, known_noise, with_doubt);
 }

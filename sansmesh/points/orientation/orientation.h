@@ -16,13 +16,11 @@ class KdTree;
 /// Normals with lower agreement, or with a lower share of related ones, are unoriented.
 inline constexpr double kLeastAgreement = 0.9, kLeastRelated = 0.5;
 
-/// Measures of points.normals on a fixed subset; without `with_doubt`, in less time, `doubt` is 0.
-OrientationReport measure_orientation(const PointSet& points, std::optional<double> noise = {}, bool with_doubt = true);
-
 /// Assesses points.normals on a fixed subset: reorients it and checks whether that removes disagreement of whole
 /// regions with their surroundings. Individual wrong signs (noise) and thin parts do not count. Parts that are far from
 /// closed, such as terrain, have no outside and are never `inward`. A known `noise` (length) saves its estimation.
-OrientationCheck check_orientation(const PointSet& points, std::optional<double> noise = {});
+/// Without `with_doubt`, in less time, `doubt` is 0.
+OrientationReport measure_orientation(const PointSet& points, std::optional<double> noise = {}, bool with_doubt = true);
 
 struct OrientationOptions {
   /// Neighbours that each sample is compared with, 4..100.

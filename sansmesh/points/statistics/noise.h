@@ -1,8 +1,6 @@
 // Estimates the noise of samples: their deviation from the surface.
 #pragma once
 
-#include <string>
-
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 

@@ -1,7 +1,6 @@
 #include "sansmesh/polygonize/creases/crease_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"

@@ -1,10 +1,7 @@
 // Cameras of pictures.
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "sansmesh/box.h"
 #include "sansmesh/render_options.h"

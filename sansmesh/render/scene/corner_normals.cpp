@@ -2,15 +2,16 @@
 
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <span>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr std::ptrdiff_t kMostAround = 512;  // limit, because all pairs of triangles around a vertex are compared
+constexpr std::size_t kMostAround = 512;  // limit, because all pairs of triangles around a vertex are compared
 const float kVertexCosine = std::cos(30 * std::numbers::pi_v<float> / 180);
 const float kCreaseCosine = std::cos(35 * std::numbers::pi_v<float> / 180);
 
@@ -30,41 +31,33 @@ std::vector<Vec3f> corner_normals(const TriangleMesh& mesh) {
     face[i] = Vec3f(normalized(cross(b - a, c - a)));
   });
 
-  std::vector<std::uint32_t> first(mesh.vertices.size() + 1), corners(3 * count);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) ++first[v + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  {
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t k = 0; k < 3; ++k) corners[next[mesh.triangles[i][k]]++] = static_cast<std::uint32_t>(3 * i + k);
-  }
+  const VertexCorners corners(mesh.triangles, mesh.vertices.size());
   const bool have = mesh.normals.size() == mesh.vertices.size();
   parallel_ranges(0, mesh.vertices.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3f> weighted;
     for (std::size_t v = begin; v < end; ++v) {
-      const std::uint32_t *from = corners.data() + first[v], *to = corners.data() + first[v + 1];
+      const std::span<const std::uint32_t> around = corners[v];
       weighted.clear();
-      for (const std::uint32_t* c = from; c != to; ++c) {
-        const Triangle& t = mesh.triangles[*c / 3];
-        const std::size_t k = *c % 3;
-        weighted.push_back(face[*c / 3] * corner_angle(mesh.vertices[t[k]], mesh.vertices[t[(k + 1) % 3]],
-                                                       mesh.vertices[t[(k + 2) % 3]]));
+      for (const std::uint32_t c : around) {
+        const Triangle& t = mesh.triangles[c / 3];
+        const std::size_t k = c % 3;
+        weighted.push_back(face[c / 3] * corner_angle(mesh.vertices[t[k]], mesh.vertices[t[(k + 1) % 3]],
+                                                      mesh.vertices[t[(k + 2) % 3]]));
       }
-      for (const std::uint32_t* c = from; c != to; ++c) {
-        const Vec3f& own = face[*c / 3];
+      for (const std::uint32_t c : around) {
+        const Vec3f& own = face[c / 3];
         if (have && dot(mesh.normals[v], own) >= kVertexCosine) {
-          result[*c] = normalized(mesh.normals[v]);
+          result[c] = normalized(mesh.normals[v]);
           continue;
         }
-        if (to - from > kMostAround) {
-          result[*c] = own;
+        if (around.size() > kMostAround) {
+          result[c] = own;
           continue;
         }
         Vec3f sum;
-        for (const std::uint32_t* o = from; o != to; ++o)
-          if (dot(face[*o / 3], own) >= kCreaseCosine) sum += weighted[static_cast<std::size_t>(o - from)];
-        result[*c] = squared_norm(sum) > 0 ? normalized(sum) : own;
+        for (std::size_t o = 0; o < around.size(); ++o)
+          if (dot(face[around[o] / 3], own) >= kCreaseCosine) sum += weighted[o];
+        result[c] = squared_norm(sum) > 0 ? normalized(sum) : own;
       }
     }
   });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "sansmesh/error.h"
@@ -207,11 +206,7 @@ void MeshScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoin
 void MeshScene::layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const {
   if (!(subject_.opacity < 1) || subject_.mesh.triangles.empty()) return PictureScene::layers(rays, first, points);
   // Repeatedly casts from just behind the last hit.
-  struct Found {
-    std::uint32_t ray;
-    SurfacePoint point;
-  };
-  std::vector<Found> found;
+  std::vector<RayPoint> found;
   std::vector<std::uint32_t> active(rays.size());
   for (std::size_t i = 0; i < active.size(); ++i) active[i] = static_cast<std::uint32_t>(i);
   const bool apart = rays.origins.size() != 1;
@@ -242,14 +237,7 @@ void MeshScene::layers(const EyeRays& rays, std::vector<std::size_t>& first, std
     active.resize(kept), going.resize(kept), beyond.resize(kept), until.resize(kept);
     if (apart) from.resize(kept);
   }
-  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.ray < b.ray; });
-  first.assign(rays.size() + 1, 0);
-  points.clear();
-  for (const Found& f : found) {
-    ++first[f.ray + 1];
-    points.push_back(f.point);
-  }
-  std::partial_sum(first.begin(), first.end(), first.begin());
+  sort_into_layers(found, rays.size(), first, points);
 }
 
 void MeshScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -76,12 +75,9 @@ Box3f box_in_picture(const Box3& box, const PictureFrame& frame) {
 
 /// Points that frame a picture: the given ones, or the corners of their box intersected with that of the options.
 std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFrame& frame, const Box3& clip) {
-  Box3f box = box_in_picture(clip, frame), all;
+  Box3f all;
   for (const Vec3f& p : points) all.extend(p);
-  for (int k = 0; k < 3; ++k) {
-    box.lower[k] = std::max(box.lower[k], all.lower[k]);
-    box.upper[k] = std::min(box.upper[k], all.upper[k]);
-  }
+  const Box3f box = common_part(box_in_picture(clip, frame), all);
   if (box.empty()) throw ArgumentError("`clip_box` contains no part of the scene");
   std::vector<Vec3f> corners;
   corners.reserve(8);

@@ -79,6 +79,18 @@ void ClippedScene::closest(const EyeRays& rays, std::span<std::optional<SurfaceP
   for (std::size_t k = 0; k < part.kept.size(); ++k) points[part.kept[k]] = found[k];
 }
 
+void sort_into_layers(std::vector<RayPoint>& found, std::size_t rays, std::vector<std::size_t>& first,
+                      std::vector<SurfacePoint>& points) {
+  std::stable_sort(found.begin(), found.end(), [](const RayPoint& a, const RayPoint& b) { return a.ray < b.ray; });
+  first.assign(rays + 1, 0);
+  points.clear();
+  for (const RayPoint& f : found) {
+    ++first[f.ray + 1];
+    points.push_back(f.point);
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+}
+
 void ClippedScene::layers(const EyeRays& rays, std::vector<std::size_t>& first,
                           std::vector<SurfacePoint>& points) const {
   const RaysInBox part(rays, box_);

@@ -3,8 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -87,6 +85,15 @@ class PictureScene {
   /// 1 for each ray that the surface blocks, else 0.
   virtual void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const = 0;
 };
+
+/// A point of a ray, given by its index.
+struct RayPoint {
+  std::uint32_t ray;
+  SurfacePoint point;
+};
+/// Result of PictureScene::layers() from points in any order of rays, but those of one ray front to back.
+void sort_into_layers(std::vector<RayPoint>& found, std::size_t rays, std::vector<std::size_t>& first,
+                      std::vector<SurfacePoint>& points);
 
 /// Opacity of a sheet at a cosine between ray and normal, where `opacity` is its value at cosine 1: an oblique ray has
 /// a longer path through it.

@@ -8,7 +8,9 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/render/scene/lighting.h"
 #include "sansmesh/render/scene/painter.h"
@@ -35,13 +37,6 @@ constexpr float kDiscOfSplat = 1.5f, kLiftOfSplat = 1.2f;
 constexpr std::size_t kInwardRays = 4000;
 constexpr double kMayLeave = 0.005;
 
-PictureFrame frame_of(const PointSet& points) {
-  Box3 box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(points.origin + Vec3(p));
-  return frame_of_points(box);
-}
-
 /// Mean squared distance of each point to its neighbours; 0 if there are none.
 std::vector<float> squared_spacings(const EllipticSplats& splats) {
   const KdTree tree(splats.centers);
@@ -63,9 +58,7 @@ std::vector<float> squared_spacings(const EllipticSplats& splats) {
   parallel_for(0, squares.size(), 1024, [&](std::size_t i) {
     std::array<float, kAround> others;
     for (std::size_t k = 0; k < known[i]; ++k) others[k] = squares[around[i][k]];
-    const auto middle = others.begin() + known[i] / 2;
-    std::nth_element(others.begin(), middle, others.begin() + known[i]);
-    limited[i] = known[i] == 0 ? 0 : std::min(squares[i], kWidestSplat * kWidestSplat * *middle);
+    limited[i] = std::min(squares[i], kWidestSplat * kWidestSplat * median(std::span(others).first(known[i])));
   });
   return limited;
 }
@@ -181,7 +174,7 @@ struct SplatPicture::State {
 
 SplatPicture::SplatPicture(const PointSet& points, std::span<const SplatStretch> stretches,
                            const RenderOptions& options) {
-  const PictureFrame frame = frame_of(points);
+  const PictureFrame frame = frame_of_points(finite_bounds(points.origin, points.positions));
   EllipticSplats splats = splats_at_points(points, stretches, options, frame);
   std::vector<float> radii;
   radii.reserve(splats.centers.size());

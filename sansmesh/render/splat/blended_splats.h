@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/image.h"
 #include "sansmesh/point_set.h"

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/render/splat/splat_footprint.h"
 
 namespace sansmesh::inline v1 {
@@ -91,8 +92,7 @@ class SplatRaster {
         origins.push_back(camera_.origin(u, v));
         directions.push_back(camera_.direction(u, v));
       }
-    for (std::size_t k = first_[tile]; k < first_[tile + 1]; ++k) {
-      const std::uint32_t i = splats_of_tile_[k];
+    for (const std::uint32_t i : splats_of_tile_[tile]) {
       const PixelRange part = range(feet_[i], pixels);
       for (int y = part.top; y < part.bottom; ++y)
         for (int x = part.left; x < part.right; ++x) {
@@ -132,13 +132,9 @@ class SplatRaster {
 
   /// The splats of each tile, in their order.
   void bin() {
-    first_.assign(tiles() + 1, 0);
-    for (const SplatFootprint& f : feet_) for_tiles(f, [&](std::size_t tile) { ++first_[tile + 1]; });
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    splats_of_tile_.resize(first_.back());
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < feet_.size(); ++i)
-      for_tiles(feet_[i], [&](std::size_t tile) { splats_of_tile_[next[tile]++] = static_cast<std::uint32_t>(i); });
+    splats_of_tile_ = group_rows(tiles(), [&](const auto& visit) {
+      for (std::size_t i = 0; i < feet_.size(); ++i) for_tiles(feet_[i], [&](std::size_t tile) { visit(tile, i); });
+    });
   }
 
   float wide(std::uint32_t i) const { return norm(splats_.major[i]); }
@@ -241,8 +237,7 @@ class SplatRaster {
   bool culled_;  // back sides are invisible
   int across_ = 0, down_ = 0;
   std::vector<SplatFootprint> feet_;
-  std::vector<std::size_t> first_;
-  std::vector<std::uint32_t> splats_of_tile_;
+  Adjacency splats_of_tile_;
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -88,7 +87,6 @@ void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <utility>
 namespace sansmesh::inline v1 {
 namespace detail {
 HWY_EXPORT(CrossBall);

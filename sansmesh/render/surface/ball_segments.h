@@ -1,7 +1,6 @@
 // Segments of rays inside a union of balls (Embree).
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/error.h"
 #include "sansmesh/render/scene/mesh_scene.h"
@@ -119,11 +120,7 @@ class TranslucentScene final : public PictureScene {
   void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override {
     constexpr float kFar = std::numeric_limits<float>::infinity();
     const std::size_t n = rays.size();
-    struct Found {
-      std::uint32_t ray;
-      SurfacePoint point;
-    };
-    std::vector<Found> found;
+    std::vector<RayPoint> found;
     std::vector<std::uint32_t> active(n);
     std::iota(active.begin(), active.end(), 0u);
     std::vector<float> left(n, 1), near(n, 0);
@@ -154,14 +151,7 @@ class TranslucentScene final : public PictureScene {
       }
       active.resize(kept);
     }
-    std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.ray < b.ray; });
-    first.assign(n + 1, 0);
-    points.clear();
-    for (const Found& f : found) {
-      ++first[f.ray + 1];
-      points.push_back(f.point);
-    }
-    std::partial_sum(first.begin(), first.end(), first.begin());
+    sort_into_layers(found, n, first, points);
   }
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
     scene_->blocked(rays, answers);
@@ -278,11 +268,8 @@ SceneFactory DrawnFlow::surface(const FlowLook& look) const {
 Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress) {
   options.validate();
-  Box3 box;
-  for (const Vec3& p : points)
-    if (is_finite(p)) box.extend(p);
   if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
-  const PictureFrame frame = frame_of_points(box);
+  const PictureFrame frame = frame_of_points(finite_bounds(points));
   if (translucent) {
     const double wide = 1e-3 * frame.size;
     const Vec3 rim{wide, wide, wide};  // flat content has no inside

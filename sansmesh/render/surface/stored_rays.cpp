@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "sansmesh/render/scene/embree_scene.h"
 #include "sansmesh/render/surface/ball_segments.h"

@@ -127,12 +127,6 @@ CastCounts SurfaceCaster::counts() const {
   return {state_->rays, state_->hits, state_->hit_evaluations, state_->miss_evaluations, state_->ball_queries};
 }
 
-void SurfaceCaster::reset_counts() const {
-  for (auto* n :
-       {&state_->rays, &state_->hits, &state_->hit_evaluations, &state_->miss_evaluations, &state_->ball_queries})
-    *n = 0;
-}
-
 void SurfaceCaster::cast(std::span<const CastRay> rays, std::span<CastHit> hits) const {
   if (rays.size() != hits.size()) throw ArgumentError("cast: as many hits as rays are needed");
   const std::size_t batches = (rays.size() + kBatch - 1) / kBatch;

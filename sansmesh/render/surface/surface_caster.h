@@ -2,8 +2,6 @@
 // 4.5).
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -59,7 +57,6 @@ class SurfaceCaster {
   /// The balls in use.
   const BallUnion& balls() const;
   CastCounts counts() const;
-  void reset_counts() const;
 
   /// Surface points next to the centres of the balls, with normals: a few steps along the gradient from each centre, or
   /// the projection. Points that do not arrive within their ball have a zero normal. Sizes as balls().

@@ -18,7 +18,4 @@ namespace sansmesh::inline v1 {
 Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
                      const SurfaceRenderOptions& options, Progress& progress);
 
-/// `camera` in the coordinates of the caster. Throws ArgumentError unless width and height are 1..16384.
-DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height);
-
 }  // namespace sansmesh::inline v1

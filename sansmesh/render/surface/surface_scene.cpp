@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/points/statistics/spacing.h"
 
 namespace sansmesh::inline v1 {
@@ -78,8 +78,7 @@ std::optional<RayScene> SurfaceScene::shadow_discs() {
   PointSet cloud;
   cloud.positions = balls.centers;
   std::vector<float> sorted = balls.radii;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const double radius = sorted[sorted.size() / 2], spacing = estimate_spacing(cloud);
+  const double radius = median(sorted), spacing = estimate_spacing(cloud);
   disc_over_ball_ = static_cast<float>(std::min(1.0, kDiscWidth * spacing / radius));
   std::vector<float> radii;
   std::size_t kept = 0;

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/render/scene/lighting.h"

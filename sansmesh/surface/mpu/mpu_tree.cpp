@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"

@@ -1,7 +1,6 @@
 // Octree of multi-level partition of unity implicits with the shapes of its leaves, as flat arrays.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>

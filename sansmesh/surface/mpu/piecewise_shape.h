@@ -1,7 +1,6 @@
 // Shapes with an edge or a corner: tests on the normals, a quadric for each face, and their combination.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -1,7 +1,6 @@
 // Least-squares fits of one quadric (ohtake2003, section 4).
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "sansmesh/surface/mpu/local_shape.h"

@@ -29,6 +29,7 @@ HWY_AFTER_NAMESPACE();
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
@@ -48,19 +49,8 @@ struct TreeItem {
   std::uint32_t index;
 };
 
-float rounded_down(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) > v ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float rounded_up(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-
 Box3f outward(const Box3& box, const Vec3& origin, double scale) {
-  const Vec3 a = (box.lower - origin) * scale, b = (box.upper - origin) * scale;
-  return {{rounded_down(a.x), rounded_down(a.y), rounded_down(a.z)},
-          {rounded_up(b.x), rounded_up(b.y), rounded_up(b.z)}};
+  return rounded_outward({(box.lower - origin) * scale, (box.upper - origin) * scale});
 }
 
 /// Orders items so that runs of `chunk`, the future children of nodes, are compact, recursively within each run.
