@@ -322,7 +322,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
       bool reported_before = false;
       for (std::size_t m = 0; m < fills.size(); ++m) {
         if (fills[m].value != fills[k].value || fills[m].asked != fills[k].asked) continue;
-        reported_before = told || m < k;
+        reported_before = reported_before || m < k;
         count += rows[m];
       }
       if (reported_before) continue;

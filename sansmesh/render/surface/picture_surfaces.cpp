@@ -269,7 +269,8 @@ Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Ve
                       const RenderOptions& options, Progress& progress) {
   options.validate();
   if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
-  const PictureFrame frame = frame_of_points(finite_bounds(points));
+  const Box3 box = finite_bounds(points);
+  const PictureFrame frame = frame_of_points(box);
   if (translucent) {
     const double wide = 1e-3 * frame.size;
     const Vec3 rim{wide, wide, wide};  // flat content has no inside

@@ -417,19 +417,6 @@ void check_arrays(const GridData& data, const SampledVolume& volume) {
 
 }  // namespace
 
-Association association_of(const GridData& data, const std::string& array) {
-  std::set<std::string> names;
-  bool in_cells = false;
-  for (const GridBlock& b : data.blocks) {
-    if (b.point_arrays.find(array)) return Association::points;
-    in_cells = in_cells || b.cell_arrays.find(array);
-    for (const AttributeTable* table : {&b.point_arrays, &b.cell_arrays})
-      for (const Attribute& a : *table) names.insert(a.name);
-  }
-  if (in_cells) return Association::cells;
-  throw ArgumentError(no_array_named(array, std::vector<std::string>(names.begin(), names.end())));
-}
-
 SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress) {
   const bool in_cells = association == Association::cells;
   progress.begin("assembling the volume", 5);

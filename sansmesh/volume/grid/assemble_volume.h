@@ -10,10 +10,6 @@
 
 namespace sansmesh::inline v1 {
 
-/// Association of the array with that name; points if both have one. If neither has, throws ArgumentError that names
-/// the available arrays.
-Association association_of(const GridData& data, const std::string& array);
-
 /// Samples, stars and cells of all blocks together (tejada2008, ch. 6; docs/methods/volume-grids.md):
 /// - a single lattice stays a lattice; cell data become samples on the lattice of the cell centres;
 /// - coincident points become one sample (the mean of their values), so that O-grids close and the blocks of a
