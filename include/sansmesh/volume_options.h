@@ -145,6 +145,7 @@ struct SANSMESH_API VolumeSurfaceReport {
   double smoothing = 0;        ///< h over the spacing
   double slope = 0;            ///< median gradient norm at the surface (unit of the array per length)
   double noise = 0;            ///< noise of the values (unit of the array)
+  double smoothed = 0;         ///< share of smoothed samples in the values, 0..1: 0 are the file's
   double noise_distance = 0;   ///< displacement of an isosurface by this noise (length)
   double least_gradient = 0;   ///< high_gradient: threshold used
   std::optional<double> beta;  ///< β if it is the same everywhere

@@ -58,6 +58,7 @@ struct VolumeReconstructionReport {
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
   double noise = 0;       ///< deviation of the noise found (unit of the array; largest component); 0 without noise
+  std::string noise_kind;  ///< "white", "correlated" or "Rician"; empty without noise
   std::size_t bytes = 0;  ///< approximate memory of the field with its samples and cells
 };
 
@@ -72,6 +73,7 @@ struct VolumeTraits {
   /// Root mean square of the same errors, dominated by the few samples next to edges.
   std::array<double, 4> left_out_rms{};
   double noise = 0;    ///< standard deviation of the part that no degree predicts: an upper bound of the noise
+  std::string kind;    ///< kind of this noise: "white", "correlated" or "Rician"; empty without noise
   bool noisy = false;  ///< this part is noise: the residuals of neighbours do not resemble each other
   /// Share of samples next to steps: with an error above ten times the median and above a twentieth of the range.
   double steps = 0;

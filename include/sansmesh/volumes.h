@@ -142,6 +142,8 @@ struct SANSMESH_API VolumeUse {
   std::vector<std::string> notes;      ///< notes on the values
   double smoothing = 0;                ///< factor of the noise by which the samples were smoothed; 0: not smoothed
   double noise = 0;                    ///< deviation of the noise (unit of the array), if the samples were smoothed
+  std::string noise_kind;              ///< "white", "correlated" or "Rician"; empty if it is not known
+  std::optional<bool> interpolate = {};        ///< false: a method as printed, which does not pass through the samples
   std::optional<bool> logarithm = {};  ///< whether the logarithm is reconstructed, once a field is made
   std::optional<CellValues> cell_values = {};  ///< meaning of values in cells, once a field is made
 
@@ -255,6 +257,7 @@ struct SANSMESH_API SmoothedArray {
   std::string name;      ///< name of the array
   double smoothing = 0;  ///< factor of the noise; 0: no noise was found, and the values are unchanged
   double noise = 0;      ///< deviation of the noise (unit of the array; of the component with most); 0 if unchanged
+  std::string kind;      ///< "white", "correlated" or "Rician"; empty without noise
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -333,6 +336,7 @@ struct SANSMESH_API HeldReconstruction {
   std::string array;                    ///< name of the array
   VolumeReconstructionOptions options;  ///< options with values chosen from the data
   std::vector<std::size_t> by_degree;   ///< as in FitVolumeReport
+  double noise = 0;  ///< deviation of the noise without which the file also keeps the samples; 0: only as they are
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -350,6 +354,7 @@ struct SANSMESH_API VolumeInfo {
   std::vector<std::string> file_notes;            ///< notes on reading the file
   std::optional<double> noise =
       {};  ///< deviation of the noise of the selected array (unit of the array); 0: none found
+  std::string noise_kind = {};  ///< "white", "correlated" or "Rician"; empty without noise
   /// Information, and what was dropped or repaired: "merged", "not_finite", "hidden", "overlapped", "degenerate",
   /// "inverted", "layer".
   std::vector<Note> notes = {};

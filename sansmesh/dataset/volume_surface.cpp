@@ -114,7 +114,7 @@ struct VolumeSurface::State {
 
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress,
-                                  const std::function<std::vector<double>()>& smoothed) {
+                                  const std::function<std::optional<std::vector<double>>()>& smoothed) {
   options.validate();
   auto state = std::make_unique<VolumeSurface::State>();
   VolumeSurfaceReport& r = state->report;
@@ -135,7 +135,12 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
       iso ? isovalue_layer(slopes, relative.values, noise / range, relative.options, r, progress)
           : high_gradient_layer(samples, slopes, noise / range, relative.options, r, progress);
   if (const double share = smoothed ? smoothed_share(r.noise_distance / samples.facts.median_spacing) : 0; share > 0)
-    return make_volume_surface(volume, between(values, smoothed(), share), noise, options, progress);
+    if (std::optional<std::vector<double>> smooth = smoothed()) {
+      VolumeSurface surface =
+          make_volume_surface(volume, between(values, std::move(*smooth), share), noise, options, progress);
+      surface.state_->report.smoothed = share;
+      return surface;
+    }
   r.slope *= range, r.least_gradient *= range, r.beta = iso ? options.beta : r.beta;
   if (std::none_of(chosen.begin(), chosen.end(), [](const WeightedSample& c) { return c.ball; }))
     throw DataError(iso ? fmt::format("has no sample near enough to the value {:.6g}", options.value)

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,7 +53,7 @@ class VolumeSurface {
  private:
   friend VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume>, std::span<const double>, double,
                                            const VolumeSurfaceOptions&, Progress&,
-                                           const std::function<std::vector<double>()>&);
+                                           const std::function<std::optional<std::vector<double>>()>&);
   struct State;
   explicit VolumeSurface(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
@@ -62,12 +63,12 @@ class VolumeSurface {
 /// ArgumentError for bad options, DataError if the value does not occur (naming the range) or no sample is near such a
 /// surface.
 ///
-/// `smoothed` makes the values without noise. It is only called where noise moves isosurfaces so far that weights of
+/// `smoothed` makes the values without noise, or nothing if they stay as they are. It is only called where noise moves isosurfaces so far that weights of
 /// the largest width do not average it: from a quarter of the spacing on in part, from half of it on the surface is
 /// that of the smoothed values. Where noise is less, smoothing first would move the surface by more than the weights
 /// do.
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress,
-                                  const std::function<std::vector<double>()>& smoothed = {});
+                                  const std::function<std::optional<std::vector<double>>()>& smoothed = {});
 
 }  // namespace sansmesh::inline v1

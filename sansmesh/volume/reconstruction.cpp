@@ -94,7 +94,7 @@ bool smooth_values(const SampledVolume& volume, VolumeValues& values, const std:
   SmoothedValues smooth = smoothed_values(volume, std::move(values), factor, progress, noise);
   values = std::move(smooth.values);
   r.options.smoothing = smooth.smoothing;
-  r.noise = smooth.noise;
+  r.noise = smooth.noise, r.noise_kind = smooth.kind;
   if (used.keep_smoothed && smooth.smoothing > 0) {
     used.smoothed = std::vector<double>(values.values);
     used.noise = smooth.noise;

@@ -12,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// estimate_noise() for values of any magnitude. Lattices of two equal layers, which stand for single layers, are
+/// Noise of values of any magnitude: independent, correlated on lattices, or Rician. Lattices of two equal layers, which stand for single layers, are
 /// examined as layers.
 SampleNoise noise_of_values(const SampledVolume& volume, const VolumeValues& values, Progress& progress);
 
@@ -24,6 +24,7 @@ struct SmoothedValues {
   std::vector<float> deviations;  ///< remaining deviation of each number (unit of the array); empty if unchanged
   double smoothing = 0;           ///< factor of the noise; 0: the values are unchanged to the bit
   double noise = 0;               ///< deviation of the noise (of the component with most); 0 if none was found
+  const char* kind = "";          ///< kind of the noise, if it was found: SampleNoise::kind()
   bool found = false;             ///< noise was found, so `noise` is not only a bound
   bool too_many = false;          ///< noise was found in more samples than are smoothed unasked
 };

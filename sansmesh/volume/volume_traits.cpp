@@ -153,7 +153,7 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
   if (noise.found) {
-    t.noisy = true;
+    t.noisy = true, t.kind = noise.kind();
     t.noise = *std::max_element(noise.typical.begin(), noise.typical.end()) / t.range;
   }
   std::size_t stepped = 0;

@@ -92,6 +92,13 @@ TEST(FittedVolume, KeepsItsSmoothedSamples) {
     EXPECT_EQ(dataset_of(opened).fitted()->coefficients.smoothed.size(), 16u * 16 * 16) << method;
     EXPECT_EQ(values_of(opened, &kept), expected) << method;
     EXPECT_EQ(kept, noise) << method;
+    const VolumeInfo info = volume_info(opened, progress);
+    ASSERT_TRUE(info.fitted) << method;
+    EXPECT_EQ(info.fitted->noise, noise) << method;
+    EXPECT_EQ(info.fitted->options.smoothing, 1) << method;
+    const std::vector<std::string> lines = summary_of(info);
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& l) { return l.starts_with("smoothed"); }))
+        << method;
     // So do other methods; only without smoothing the samples are the file's.
     options.reconstruction = {.method = "linear"};
     EXPECT_EQ(values_of(open_volume({folder / "f.smv"}, options, progress), &kept),
@@ -104,6 +111,23 @@ TEST(FittedVolume, KeepsItsSmoothedSamples) {
     field->evaluate(std::vector<Vec3>{samples->position(77)}, {at});
     EXPECT_NEAR(at[0], raw.sample_value(77), 1e-9) << method;
   }
+}
+
+TEST(VolumeUse, NamesNoiseAndFieldsThatDoNotInterpolate) {
+  Progress progress;
+  std::vector<Note> notes;
+  VolumeModelOptions options;
+  options.reconstruction.method = "mls-detail";
+  const VolumeModel smoothed = model_of(noisy_wave(), options);
+  smoothed.field(progress, notes);
+  EXPECT_EQ(volume_use(smoothed, progress).noise_kind, "white");
+  EXPECT_EQ(volume_use(smoothed, progress).interpolate, true);
+  EXPECT_NE(summary_of(smoothed, progress)[0].find("its white noise of"), std::string::npos);
+  options.reconstruction.interpolate = false, options.reconstruction.smoothing = 0;
+  const VolumeModel printed = model_of(noisy_wave(), options);
+  printed.field(progress, notes);
+  EXPECT_EQ(volume_use(printed, progress).interpolate, false);
+  EXPECT_NE(summary_of(printed, progress)[0].find("not through the samples"), std::string::npos);
 }
 
 TEST(FlowModel, EachStepIsSmoothedByItsOwnNoise) {

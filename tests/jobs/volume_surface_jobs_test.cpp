@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -131,6 +132,28 @@ TEST(SurfaceInVolume, OfAValueOrOfHighGradient) {
     EXPECT_NEAR(mesh.report.volume.value_or(0), kBall, 0.1 * kBall);
   }
   EXPECT_NEAR(surface_in_volume(volume, {}, progress).value, 0.5, 0.01);
+}
+
+TEST(SurfaceInVolume, SaysThatItSmooths) {
+  Progress progress;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto noisy = [&](double sigma) {
+    return lattice_grid({25, 25, 25}, [&](const Vec3& x) { return soft_ball(x) + sigma * normal(random); });
+  };
+  const GridData data = noisy(0.15);
+  const VolumeModel volume = model_of(data);
+  const SurfaceInVolume smoothed = surface_in_volume(volume, {.value = 0.5}, progress);
+  EXPECT_GT(smoothed.report.smoothed, 0);
+  EXPECT_LE(smoothed.report.smoothed, 1);
+  EXPECT_NE(summary_of(smoothed, volume, progress)[1].find("smoothed"), std::string::npos);
+  VolumeModelOptions as_they_are;
+  as_they_are.reconstruction.smoothing = 0;
+  EXPECT_EQ(surface_in_volume(model_of(data, as_they_are), {.value = 0.5}, progress).report.smoothed, 0);
+  const VolumeModel clean = model_of(noisy(0));
+  const SurfaceInVolume same = surface_in_volume(clean, {.value = 0.5}, progress);
+  EXPECT_EQ(same.report.smoothed, 0);
+  EXPECT_EQ(summary_of(same, clean, progress)[1].find("smoothed"), std::string::npos);
 }
 
 TEST(SurfaceInVolume, SaysWhereAnIsosurfaceIsNearer) {

@@ -124,7 +124,7 @@ SmoothVolumeResult smooth_volume(const VolumeModel& volume, const SmoothVolumeOp
       smooth.deviations.resize(samples->size() * components, 0.0f);
       result->attributes.set(name + "_deviation", std::move(smooth.deviations), components);
     }
-    smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise});
+    smoothed.report.arrays.push_back({name, smooth.smoothing, smooth.noise, smooth.kind});
   }
   if (too_many)
     smoothed.notes.push_back(
@@ -168,9 +168,10 @@ std::vector<std::string> summary_of(const SmoothVolumeReport& report) {
     if (a.noise == 0)
       lines.push_back(name + ": no noise found, unchanged");
     else if (a.smoothing == 0)
-      lines.push_back(fmt::format("{}: noise of {:.3g}, unchanged", name, a.noise));
+      lines.push_back(fmt::format("{}: {} noise of {:.3g}, unchanged", name, a.kind, a.noise));
     else
-      lines.push_back(fmt::format("{}: noise of {:.3g}{}", name, a.noise,
+      lines.push_back(fmt::format("{}: {}noise of {:.3g}{}{}", name, a.kind.empty() ? "" : a.kind + " ", a.noise,
+                                  a.kind == "Rician" ? ", means corrected" : "",
                                   a.smoothing == 1 ? "" : fmt::format(", smoothed by {:g} times that", a.smoothing)));
   }
   return lines;
@@ -188,7 +189,9 @@ const ReportSchema& SmoothedArray::schema() {
   static constexpr ReportRow rows[] = {
       reported<&SmoothedArray::name>({.text = "Array"}),
       reported<&SmoothedArray::smoothing>({.text = "Factor of the noise; 0: unchanged"}),
-      reported<&SmoothedArray::noise>({.text = "Deviation of the noise, 0 if none is found", .unit = "value"})};
+      reported<&SmoothedArray::noise>({.text = "Deviation of the noise, 0 if none is found", .unit = "value"}),
+      reported<[](const SmoothedArray& r) { return value_if(!r.kind.empty(), r.kind); }>(
+          {.name = "kind", .text = "Kind of the noise: white, correlated or Rician (whose mean is corrected)"})};
   return report_schema<rows>();
 }
 

@@ -61,17 +61,30 @@ SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolu
   if (own.kind == Kind::isovalue) own.value = volume.value_or_middle(options.value);
   const auto samples = volume.samples(progress);
   const VolumeTraits& traits = volume.traits(progress);
+  bool too_many = false;
   auto surface = std::make_shared<const VolumeSurface>(with_name(volume.name(), [&] {
     const VolumeValues values = volume_values(*samples, volume.choice().array);
-    const auto smoothed = [&] {
+    const auto smoothed = [&]() -> std::optional<std::vector<double>> {
       const SampleNoise& noise = dataset_of(volume).noise(volume.choice().array, values, progress);
       const auto& factor = volume.options().reconstruction.smoothing;
-      return scalar_values(smoothed_values(*samples, values, factor, progress, &noise).values, volume.choice());
+      const SmoothedValues made = smoothed_values(*samples, values, factor, progress, &noise);
+      too_many = made.too_many;
+      if (!(made.smoothing > 0)) return {};
+      return scalar_values(made.values, volume.choice());
     };
     return make_volume_surface(samples, scalar_values(values, volume.choice()), noise_of_surface(traits), own, progress,
                                smoothed);
   }));
   SurfaceInVolume result{surface, surface->report(), own.value, volume.name(), {}};
+  if (too_many)
+    result.notes.push_back(
+        {.code = "too_many",
+         .text = fmt::format("noise moves the surface by a quarter of a spacing or more, but {} take minutes to smooth: "
+                             "the samples are used as they are",
+                             counted(samples->size(), "sample")),
+         .remedy = "smooth them first (sansmesh volume smooth, with `smoothing` 1)",
+         .severity = Note::Severity::warning,
+         .of = volume.name()});
   if (!samples->lattice && traits.resolved())
     result.notes.push_back({.code = "resolved",
                             .text = "the values are smooth between samples",
@@ -143,9 +156,12 @@ std::vector<std::string> summary_of(const SurfaceInVolume& s, const VolumeModel&
                       ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
                       : fmt::format("{} = {:.6g}", volume.array_name(), s.value),
                   counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid),
-      fmt::format("spacing {}, weights {:.2f} spacings wide{}", length_words(r.spacing), r.smoothing,
+      fmt::format("spacing {}, weights {:.2f} spacings wide{}{}", length_words(r.spacing), r.smoothing,
                   r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length_words(r.noise_distance))
-                                       : std::string())};
+                                       : std::string(),
+                  r.smoothed >= 1  ? ", samples smoothed by their noise first"
+                  : r.smoothed > 0 ? fmt::format(", {:.0f} % of it smoothed in the samples first", 100 * r.smoothed)
+                                   : std::string())};
 }
 
 const ReportSchema& SurfaceInVolume::schema() {

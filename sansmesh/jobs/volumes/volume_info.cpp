@@ -31,12 +31,14 @@ VolumeInfo contents_of(const VolumeModel& volume, Progress& progress) {
   info.box = samples->bounds();
   for (const DatasetArray& array : dataset.arrays()) info.arrays.push_back(array_info(array));
   if (const FittedVolume* const fitted = dataset.fitted())
-    info.fitted = {fitted->array, fitted->chosen, fitted->coefficients.by_degree()};
+    info.fitted = {fitted->array, fitted->chosen, fitted->coefficients.by_degree(),
+                   fitted->coefficients.smoothed.empty() ? 0 : fitted->coefficients.noise};
   info.times = dataset.times();
   info.file_notes = dataset.notes();
   if (dataset.arrays().empty()) return info;
   try {
     const VolumeTraits& traits = volume.traits(progress);
+    info.noise_kind = traits.kind;
     info.noise = traits.noisy ? traits.noise * traits.range : 0;
   } catch (const DataError&) {
     info.noise.reset();  // unusable values, as if none is finite, have other facts
@@ -69,6 +71,12 @@ const ReportSchema& HeldReconstruction::schema() {
           {.name = "iterations", .text = "Corrections by residuals"}),
       reported<[](const HeldReconstruction& r) { return r.options.spherical.value_or(false); }>(
           {.name = "spherical", .text = "Whether supports are balls"}),
+      reported<[](const HeldReconstruction& r) { return r.options.interpolate; }>(
+          {.name = "interpolate", .text = "Whether the field passes through the samples (mls, mls-detail)"}),
+      reported<[](const HeldReconstruction& r) { return value_if(r.noise > 0, r.options.smoothing.value_or(0)); }>(
+          {.name = "smoothing", .text = "Factor of the noise by which the samples were smoothed; the file keeps both"}),
+      reported<[](const HeldReconstruction& r) { return value_if(r.noise > 0, r.noise); }>(
+          {.name = "noise", .text = "Deviation of this noise", .unit = "value"}),
       reported<&HeldReconstruction::by_degree>({.text = "Polynomials of each degree"})};
   return report_schema<rows>();
 }
@@ -107,6 +115,8 @@ const ReportSchema& VolumeInfo::schema() {
       reported<&VolumeInfo::noise>({.name = "noise",
                                     .text = "Deviation of the noise of the selected array, 0 if none is found",
                                     .unit = "value"}),
+      reported<[](const VolumeInfo& r) { return value_if(!r.noise_kind.empty(), r.noise_kind); }>(
+          {.name = "noise_kind", .text = "Kind of this noise: white, correlated or Rician"}),
       reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
       reported<&VolumeInfo::times>({.text = "Times of the steps"}),
       reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};
@@ -148,6 +158,10 @@ void add_fitted(const HeldReconstruction& fitted, std::vector<std::string>& line
   if (o.spherical.value_or(false)) options += options.empty() ? "spherical" : ", spherical";
   line("fitted", fmt::format("{} by {}{}", printable(fitted.array, 80), o.method.value(),
                              options.empty() ? "" : " (" + options + ")"));
+  if (!o.interpolate.value_or(true)) line("", "not through the samples, as printed");
+  if (fitted.noise > 0)
+    line("smoothed", fmt::format("by {:g} times the noise of {:.3g}; these samples are kept beside the file's",
+                                 o.smoothing.value_or(1), fitted.noise));
   if (!fitted.by_degree.empty())
     line("polynomials",
          fmt::format("of degree 0 to {}: {}", fitted.by_degree.size() - 1, fmt::join(fitted.by_degree, ", ")));
@@ -175,7 +189,7 @@ std::vector<std::string> summary_of(const VolumeInfo& made) {
                               made.times.back()));
   for (const AttributeInfo& array : made.arrays) line("array", array_words(array));
   if (made.noise)
-    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, smoothed by reconstructions{}", *made.noise,
+    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, {}, smoothed by reconstructions{}", *made.noise, made.noise_kind,
                                                 smoothed_unasked(made.samples) ? "" : " only on request")
                                   : "none found");
   if (made.fitted) add_fitted(*made.fitted, lines);

@@ -282,6 +282,8 @@ VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
           .notes = report.notes,
           .smoothing = report.options.smoothing.value_or(0),
           .noise = report.noise,
+          .noise_kind = report.noise_kind,
+          .interpolate = report.options.interpolate,
           .logarithm = report.options.logarithm,
           .cell_values = report.options.cell_values};
 }
@@ -292,10 +294,13 @@ std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progres
   const double smoothing = r.options.smoothing.value_or(0);
   const bool means = r.options.cell_values == CellValues::means;
   return {
-      fmt::format("{}: by {}{}{}{}{}", volume.array_name(), r.options.method.value(),
+      fmt::format("{}: by {}{}{}{}{}{}", volume.array_name(), r.options.method.value(),
                   r.options.logarithm.value_or(false) ? " of the logarithm" : "",
+                  r.options.interpolate.value_or(true) ? "" : ", not through the samples",
                   means ? ", values are means over cells" : "", r.why.empty() ? "" : ", since it is " + r.why,
-                  smoothing > 0 ? fmt::format("; smoothed by {} times its noise of {:.3g}", smoothing, r.noise) : ""),
+                  smoothing > 0 ? fmt::format("; smoothed by {} times its {}noise of {:.3g}", smoothing,
+                                              r.noise_kind.empty() ? "" : r.noise_kind + " ", r.noise)
+                                : ""),
       fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
@@ -314,6 +319,10 @@ const ReportSchema& VolumeUse::schema() {
           {.name = "smoothing", .text = "Factor of the noise by which the samples were smoothed first"}),
       reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0, r.noise); }>(
           {.name = "noise", .text = "Deviation of the noise of the samples", .unit = "value"}),
+      reported<[](const VolumeUse& r) { return value_if(r.smoothing > 0 && !r.noise_kind.empty(), r.noise_kind); }>(
+          {.name = "noise_kind", .text = "Kind of this noise: white, correlated or Rician"}),
+      reported<&VolumeUse::interpolate>(
+          {.text = "Whether the field passes through the samples, if the method has that choice (mls, mls-detail)"}),
       reported<&VolumeUse::logarithm>({.text = "Whether the logarithm is reconstructed, once a field is made"}),
       reported<[](const VolumeUse& r) {
         return value_if(r.cell_values.has_value(),

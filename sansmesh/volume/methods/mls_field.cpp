@@ -19,6 +19,7 @@
 #include "sansmesh/volume/methods/support_blend.h"
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/samples/lattice_polynomials.h"
+#include "sansmesh/volume/samples/sample_gradients.h"
 #include "sansmesh/volume/samples/sample_stencil.h"
 #include "sansmesh/volume/samples/star_metric.h"
 #include "sansmesh/volume/samples/support_index.h"
@@ -104,8 +105,11 @@ class MlsField final : public GroupedField {
     if (!at_corners) flat_share_.emplace(volume(), shares_);
   }
 
-  /// Instead of prepare(): M f alone; linear interpolation only where it is not determined.
+  /// Instead of prepare(): M f alone; linear interpolation only where it is not determined. M f is that of the values
+  /// minus a plane plus this plane, which is the same where samples determine planes and better where they do not, as
+  /// at the ends of overlapping blocks.
   void leave_as_printed() {
+    if (!volume().lattice && degree_ > 0) slopes_ = detail::sample_gradients(volume(), values_);
     if (!volume().cell_sample.empty()) flat_.emplace(volume(), values_);
   }
 
@@ -159,7 +163,14 @@ class MlsField final : public GroupedField {
     const double base = values_.values[own * c + component];
     for (std::size_t s = 0; s < lists.samples.size(); ++s)
       lists.samples[s].value = values_.values[lists.found.supports[s] * c + component] - base;
+    const Vec3 slope = slopes_.empty() ? Vec3{} : slopes_[own * c + component], from = volume().position(own) - origin;
+    if (!slopes_.empty())
+      for (MlsSample& s : lists.samples) s.value -= dot(slope, s.position - from);
     detail::solve_mls(lists.samples.data(), lists.samples.size(), metric(own), degree_, filled, gradient, lists.tile);
+    for (std::size_t i = 0; i < n && !slopes_.empty(); ++i) {
+      lists.tile.value[i] += dot(slope, at(i) - origin - from);
+      for (std::size_t k = 0; k < 3 && gradient; ++k) lists.tile.gradient[k][i] += slope[k];
+    }
     return base;
   }
 
@@ -360,6 +371,7 @@ class MlsField final : public GroupedField {
   SupportIndex index_;
   int degree_;
   std::vector<double> residuals_;
+  std::vector<Vec3> slopes_;  // planes that are subtracted from the values, one per component of each sample, or none
   VolumeValues shares_;  // one component per sample
   std::optional<CellInterpolant> flat_, flat_share_;
   HigherOrderFunctions higher_;

@@ -118,7 +118,45 @@ double deviation_in_bin(const std::vector<NoiseResidual>& residuals, std::span<c
   return signs.known() && !signs.unlike_noise() ? s : 0;
 }
 
+/// The smallest difference of values of which all are multiples, as of integers; 0 if there is none.
+double quantum_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.size() < 3) return 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < values.size(); ++i) least = std::min(least, values[i] - values[i - 1]);
+  const double steps = (values.back() - values.front()) / least;
+  if (!(steps < 70000)) return 0;
+  // Rounding of the least difference adds up over many steps.
+  const double quantum = (values.back() - values.front()) / std::round(steps);
+  for (const double v : values) {
+    const double n = (v - values.front()) / quantum;
+    if (std::abs(n - std::round(n)) > 0.02) return 0;
+  }
+  return quantum;
+}
+
 }  // namespace
+
+bool are_two_groups(std::vector<double>& numbers) {
+  constexpr double kExplained = 0.8;
+  std::sort(numbers.begin(), numbers.end());
+  const auto n = static_cast<double>(numbers.size());
+  double sum = 0, squares = 0, lower = 0, best = 0;
+  for (const double v : numbers) sum += v;
+  for (const double v : numbers) squares += (v - sum / n) * (v - sum / n);
+  for (std::size_t i = 0; i + 1 < numbers.size(); ++i) {
+    lower += numbers[i] - sum / n;
+    const auto k = static_cast<double>(i + 1);
+    best = std::max(best, lower * lower * n / (k * (n - k)));
+  }
+  return best > kExplained * squares;
+}
+
+bool is_above_rounding(double deviation, std::vector<double> values) {
+  constexpr double kQuanta = 0.6;
+  return deviation > kQuanta * quantum_of(std::move(values));
+}
 
 double NoiseByValue::at(double value) const {
   if (empty()) return 1;

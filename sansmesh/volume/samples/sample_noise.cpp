@@ -21,29 +21,10 @@ constexpr std::size_t kFewestResiduals = 80;     // fewer say nothing
 constexpr double kMostPredicted = 3;             // variance of a prediction, in variances of a sample
 constexpr double kWave = 0.3;                    // most correlation of noise two steps apart
 constexpr std::size_t kInRow = 3;                // samples of a row: two neighbours, and the next behind them
-constexpr double kQuanta = 0.6;                  // noise below is rounding to integers
-constexpr double kRoundedToFloat = 2e-6;         // relative to the largest value: rounding to floats
 
 /// Deviation over the range of the values below which unstructured cells may have no noise: means over cells of
 /// different shapes differ from each other as noise does.
 constexpr double kOfShapes = 0.005;
-
-/// Whether numbers are those of both sides of a step, whatever the noise: two groups explain most of their variance. Of
-/// normal deviates they explain 0.64, of a slope 0.75, of a step of six deviations 0.9.
-bool are_two_groups(std::vector<double>& numbers) {
-  constexpr double kExplained = 0.8;
-  std::sort(numbers.begin(), numbers.end());
-  const auto n = static_cast<double>(numbers.size());
-  double sum = 0, squares = 0, lower = 0, best = 0;
-  for (const double v : numbers) sum += v;
-  for (const double v : numbers) squares += (v - sum / n) * (v - sum / n);
-  for (std::size_t i = 0; i + 1 < numbers.size(); ++i) {
-    lower += numbers[i] - sum / n;
-    const auto k = static_cast<double>(i + 1);
-    best = std::max(best, lower * lower * n / (k * (n - k)));
-  }
-  return best > kExplained * squares;
-}
 
 /// Values minus their predictions, over the deviation for noise of deviation 1.
 class LeftOutResiduals {
@@ -93,24 +74,6 @@ class LeftOutResiduals {
   CentreFit fit_;
   std::vector<double> weights_, around_;
 };
-
-/// The smallest difference of values of which all are multiples, as of integers; 0 if there is none.
-double quantum_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  if (values.size() < 3) return 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < values.size(); ++i) least = std::min(least, values[i] - values[i - 1]);
-  const double steps = (values.back() - values.front()) / least;
-  if (!(steps < 70000)) return 0;
-  // Rounding of the least difference adds up over many steps.
-  const double quantum = (values.back() - values.front()) / std::round(steps);
-  for (const double v : values) {
-    const double n = (v - values.front()) / quantum;
-    if (std::abs(n - std::round(n)) > 0.02) return 0;
-  }
-  return quantum;
-}
 
 /// Difference of the hundredths from both ends.
 double main_range(std::vector<double> values) {
@@ -187,39 +150,27 @@ std::vector<double> magnitudes_of(const Rows& rows, std::size_t m, double roundi
   return result;
 }
 
-/// The residuals of a component, and which of them are neighbours.
-void take_component(const SampledVolume& volume, const Rows& rows, std::size_t m, std::vector<NoiseResidual>& residuals,
-                    std::vector<ResidualPair>& pairs) {
-  residuals.clear(), pairs.clear();
-  for (std::size_t i = 0; i < rows.sample.size(); ++i) {
-    const std::size_t at = i * rows.components + m;
-    // Residuals beside steps say nothing about the noise.
-    const double value = rows.predicted[at];
-    residuals.push_back({value, std::isnan(value) ? value : rows.residual[at], volume.position(rows.sample[i])});
-    if (i % kInRow > 0) pairs.push_back({static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i)});
-  }
-}
-
-/// Fits the factors by value, and on all components together those by place.
-void find_variation(const SampledVolume& volume, const Rows& rows, double rounding, SampleNoise& noise) {
-  std::vector<NoiseResidual> residuals, all;
-  std::vector<ResidualPair> pairs, all_pairs;
-  for (std::size_t m = 0; m < rows.components; ++m) {
-    if (!(noise.typical[m] > 0)) continue;
-    take_component(volume, rows, m, residuals, pairs);
-    noise.by_value[m] = noise_by_value(residuals, pairs, noise.typical[m], rounding);
-    const auto first = static_cast<std::uint32_t>(all.size());
-    for (NoiseResidual& r : residuals) {
-      const double unit = noise.at(m, r.value, r.position);
-      r.residual = std::abs(r.residual) > rounding ? r.residual / unit : std::numeric_limits<double>::quiet_NaN();
-      all.push_back(r);
+/// The residuals of each component, and which of them are neighbours.
+std::vector<ComponentResiduals> by_component(const SampledVolume& volume, const Rows& rows) {
+  std::vector<ComponentResiduals> components(rows.components);
+  for (std::size_t m = 0; m < rows.components; ++m)
+    for (std::size_t i = 0; i < rows.sample.size(); ++i) {
+      const std::size_t at = i * rows.components + m;
+      // Residuals beside steps say nothing about the noise.
+      const double value = rows.predicted[at];
+      components[m].residuals.push_back(
+          {value, std::isnan(value) ? value : rows.residual[at], volume.position(rows.sample[i])});
+      if (i % kInRow > 0) components[m].pairs.push_back({static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i)});
     }
-    for (const ResidualPair& p : pairs) all_pairs.push_back({p.first + first, p.second + first});
-  }
-  noise.by_place = noise_by_place(all, all_pairs, volume.bounds(), 1, 0);
+  return components;
 }
 
 }  // namespace
+
+const char* SampleNoise::kind() const {
+  if (!found) return "";
+  return rician > 0 ? "Rician" : correlated() ? "correlated" : "white";
+}
 
 bool SampleNoise::varies() const {
   return !by_place.empty() ||
@@ -229,16 +180,36 @@ bool SampleNoise::varies() const {
 SampleNoise SampleNoise::scaled(double factor) const {
   SampleNoise result = *this;
   for (double& t : result.typical) t *= factor;
+  result.rician *= factor;
   for (NoiseByValue& curve : result.by_value)
     for (double& v : curve.values) v *= factor;
   return result;
+}
+
+void find_variation(const std::vector<ComponentResiduals>& components, const Box3& box, double rounding,
+                    SampleNoise& noise) {
+  std::vector<NoiseResidual> all;
+  std::vector<ResidualPair> pairs;
+  for (std::size_t m = 0; m < components.size(); ++m) {
+    if (!(noise.typical[m] > 0)) continue;
+    const ComponentResiduals& own = components[m];
+    noise.by_value[m] = noise_by_value(own.residuals, own.pairs, noise.typical[m], rounding);
+    const auto first = static_cast<std::uint32_t>(all.size());
+    for (NoiseResidual r : own.residuals) {
+      const double unit = noise.at(m, r.value, r.position);
+      r.residual = std::abs(r.residual) > rounding ? r.residual / unit : std::numeric_limits<double>::quiet_NaN();
+      all.push_back(r);
+    }
+    for (const ResidualPair& p : own.pairs) pairs.push_back({p.first + first, p.second + first});
+  }
+  noise.by_place = noise_by_place(all, pairs, box, 1, 0);
 }
 
 SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
                            Progress& progress) {
   const std::size_t c = values.components;
   const Rows rows = look_at_rows(volume, values, metrics, progress);
-  const double rounding = kRoundedToFloat * largest_value(values);
+  const double rounding = rounding_of(values);
   SampleNoise noise;
   noise.typical.assign(c, 0.0), noise.by_value.resize(c);
   SignCorrelation next, beyond;  // neighbours; samples two steps apart
@@ -252,14 +223,14 @@ SampleNoise estimate_noise(const SampledVolume& volume, const VolumeValues& valu
     own.reserve(rows.sample.size());
     for (const std::uint32_t i : rows.sample) own.push_back(values.values[i * c + m]);
     const double least = volume.in_cells && !volume.lattice ? kOfShapes * main_range(own) : 0;
-    above = above || s > std::max(least, kQuanta * quantum_of(std::move(own)));
+    above = above || (s > least && is_above_rounding(s, std::move(own)));
     for (std::size_t k = m; k < rows.residual.size(); k += kInRow * c) {
       const double* const r = &rows.residual[k];
       next.add(r[0], r[c], s, rounding), next.add(r[c], r[2 * c], s, rounding);
       beyond.add(r[0], r[2 * c], s, rounding);
     }
   }
-  find_variation(volume, rows, rounding, noise);
+  find_variation(by_component(volume, rows), volume.bounds(), rounding, noise);
   if (!next.known() || !beyond.known()) return noise;
   noise.correlation = next.mean();
   // Waves of three to four samples have independent neighbours, but alternate every two samples.

@@ -1,6 +1,7 @@
 // Noise of the samples of a volume.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -19,8 +20,15 @@ struct SampleNoise {
   std::vector<double> typical;  ///< per component, of the volume as a whole
   std::vector<NoiseByValue> by_value;  ///< per component: factors of the deviation
   NoiseByPlace by_place;               ///< further factors
-  double correlation = 0;              ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
+  /// Distances in samples along the axes of a lattice from which on noise is independent (correlated_noise.h).
+  std::array<std::size_t, 3> reach{1, 1, 1};
+  double rician = 0;       ///< deviation of the parts of magnitudes (rician_noise.h); 0 for other noise
+  double correlation = 0;  ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
 
+  /// Whether neighbouring samples share noise.
+  bool correlated() const { return reach != std::array<std::size_t, 3>{1, 1, 1}; }
+  /// "white", "correlated" or "Rician"; empty if none was found.
+  const char* kind() const;
   bool varies() const;
   /// Deviation of a component where it has this value.
   double at(std::size_t component, double value, const Vec3& position) const {
@@ -29,6 +37,20 @@ struct SampleNoise {
   /// The noise of the values times `factor`, which is positive.
   SampleNoise scaled(double factor) const;
 };
+
+/// Residuals of one component.
+struct ComponentResiduals {
+  std::vector<NoiseResidual> residuals;
+  std::vector<ResidualPair> pairs;  ///< neighbours
+};
+
+/// Fits the factors by value, and on all components together those by place, to noise with `typical` deviations.
+/// Residuals up to `rounding` do not count.
+void find_variation(const std::vector<ComponentResiduals>& components, const Box3& box, double rounding,
+                    SampleNoise& noise);
+
+/// Largest residual that is rounding to floats.
+inline double rounding_of(const VolumeValues& values) { return 2e-6 * largest_value(values); }
 
 /// Estimates white noise from parabolas through the neighbours of some thousand samples, which leave the sample out:
 /// residuals are divided by the deviation that noise of deviation 1 would give them, and their variance is taken
