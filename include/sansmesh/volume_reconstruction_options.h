@@ -57,9 +57,9 @@ struct VolumeReconstructionReport {
   std::string why;                     ///< reason for an automatic choice of the method: a sentence without a full stop
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
-  double noise = 0;       ///< deviation of the noise found (unit of the array; largest component); 0 without noise
+  double noise = 0;        ///< deviation of the noise found (unit of the array; largest component); 0 without noise
   std::string noise_kind;  ///< "white", "correlated" or "Rician"; empty without noise
-  std::size_t bytes = 0;  ///< approximate memory of the field with its samples and cells
+  std::size_t bytes = 0;   ///< approximate memory of the field with its samples and cells
 };
 
 /// Estimated from some thousand samples: polynomials of degree 0 to 3 predict each from its neighbours. All values are

@@ -133,18 +133,18 @@ SANSMESH_API std::string volume_name(const std::vector<std::string>& files);
 
 /// A volume as it was used.
 struct SANSMESH_API VolumeUse {
-  std::string format;                  ///< format of its file
-  std::string array;                   ///< selected array
-  std::string method;                  ///< reconstruction method; empty without one
-  std::string why;                     ///< reason for the method, if the library chose it
-  std::size_t samples = 0;             ///< samples of the array
-  std::string grid;                    ///< description of the grid
-  std::vector<std::string> notes;      ///< notes on the values
-  double smoothing = 0;                ///< factor of the noise by which the samples were smoothed; 0: not smoothed
-  double noise = 0;                    ///< deviation of the noise (unit of the array), if the samples were smoothed
-  std::string noise_kind;              ///< "white", "correlated" or "Rician"; empty if it is not known
-  std::optional<bool> interpolate = {};        ///< false: a method as printed, which does not pass through the samples
-  std::optional<bool> logarithm = {};  ///< whether the logarithm is reconstructed, once a field is made
+  std::string format;                    ///< format of its file
+  std::string array;                     ///< selected array
+  std::string method;                    ///< reconstruction method; empty without one
+  std::string why;                       ///< reason for the method, if the library chose it
+  std::size_t samples = 0;               ///< samples of the array
+  std::string grid;                      ///< description of the grid
+  std::vector<std::string> notes;        ///< notes on the values
+  double smoothing = 0;                  ///< factor of the noise by which the samples were smoothed; 0: not smoothed
+  double noise = 0;                      ///< deviation of the noise (unit of the array), if the samples were smoothed
+  std::string noise_kind;                ///< "white", "correlated" or "Rician"; empty if it is not known
+  std::optional<bool> interpolate = {};  ///< false: a method as printed, which does not pass through the samples
+  std::optional<bool> logarithm = {};    ///< whether the logarithm is reconstructed, once a field is made
   std::optional<CellValues> cell_values = {};  ///< meaning of values in cells, once a field is made
 
   static const ReportSchema& schema();  ///< report rows
@@ -353,7 +353,7 @@ struct SANSMESH_API VolumeInfo {
   std::vector<double> times;                      ///< times of the steps
   std::vector<std::string> file_notes;            ///< notes on reading the file
   std::optional<double> noise =
-      {};  ///< deviation of the noise of the selected array (unit of the array); 0: none found
+      {};                       ///< deviation of the noise of the selected array (unit of the array); 0: none found
   std::string noise_kind = {};  ///< "white", "correlated" or "Rician"; empty without noise
   /// Information, and what was dropped or repaired: "merged", "not_finite", "hidden", "overlapped", "degenerate",
   /// "inverted", "layer".

@@ -63,10 +63,10 @@ class VolumeSurface {
 /// ArgumentError for bad options, DataError if the value does not occur (naming the range) or no sample is near such a
 /// surface.
 ///
-/// `smoothed` makes the values without noise, or nothing if they stay as they are. It is only called where noise moves isosurfaces so far that weights of
-/// the largest width do not average it: from a quarter of the spacing on in part, from half of it on the surface is
-/// that of the smoothed values. Where noise is less, smoothing first would move the surface by more than the weights
-/// do.
+/// `smoothed` makes the values without noise, or nothing if they stay as they are. It is only called where noise moves
+/// isosurfaces so far that weights of the largest width do not average it: from a quarter of the spacing on in part,
+/// from half of it on the surface is that of the smoothed values. Where noise is less, smoothing first would move the
+/// surface by more than the weights do.
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress,
                                   const std::function<std::optional<std::vector<double>>()>& smoothed = {});

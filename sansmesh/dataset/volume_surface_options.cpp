@@ -72,7 +72,8 @@ constexpr ReportRow kVolumeSurfaceReportRows[] = {
         {.text = "Median slope of the quantity at the surface", .unit = "per length"}),
     reported<&VolumeSurfaceReport::noise>({.text = "Noise of the values", .unit = "unit of the array"}),
     reported<&VolumeSurfaceReport::smoothed>(
-        {.text = "Share of values without this noise (volume smooth) in those of the surface; 0: the samples as they are"}),
+        {.text =
+             "Share of values without this noise (volume smooth) in those of the surface; 0: the samples as they are"}),
     reported<&VolumeSurfaceReport::beta>({.text = "β of the weights, if it is the same everywhere"}),
     reported<&VolumeSurfaceReport::least_gradient>(
         {.text = "Smallest gradient of a border, for high gradients", .unit = "per length"})};

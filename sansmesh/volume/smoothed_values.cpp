@@ -179,8 +179,8 @@ SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values,
   }
   const std::vector<double> scales = value_scales(result.values);
   const double scale = scales.empty() ? 1 : scales[0], unit = 1 / scale;
-  SmoothedSamples smooth = smooth_apart(volume, scaled_values(result.values, scales), noise.scaled(scale),
-                                        result.smoothing, progress);
+  SmoothedSamples smooth =
+      smooth_apart(volume, scaled_values(result.values, scales), noise.scaled(scale), result.smoothing, progress);
   if (!scales.empty())
     for (double& v : smooth.values) v *= unit;
   result.values.values = std::move(smooth.values);

@@ -12,8 +12,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Noise of values of any magnitude: independent, correlated on lattices, or Rician. Lattices of two equal layers, which stand for single layers, are
-/// examined as layers.
+/// Noise of values of any magnitude: independent, correlated on lattices, or Rician. Lattices of two equal layers,
+/// which stand for single layers, are examined as layers.
 SampleNoise noise_of_values(const SampledVolume& volume, const VolumeValues& values, Progress& progress);
 
 /// Whether that many samples are smoothed without being asked to: more take minutes.

@@ -53,10 +53,11 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
       option<&O::c>({.text = "C of the BC family (cubic); 0.5 with B = 0 is Catmull–Rom",
                      .range = {.least = 0, .most = 1},
                      .needs = "method"}),
-      option<&O::smoothing>({.text = "Factor of the noise (white, correlated or Rician) by which samples are smoothed first; 0 "
-                                     "interpolates them",
-                             .from_data = "1 if noise is found",
-                             .range = {.least = 0, .most = 10}}),
+      option<&O::smoothing>(
+          {.text = "Factor of the noise (white, correlated or Rician) by which samples are smoothed first; 0 "
+                   "interpolates them",
+           .from_data = "1 if noise is found",
+           .range = {.least = 0, .most = 10}}),
       option<&O::cell_values>({.text = "Values in cells: means over the cell (mls-detail), or values at its centre",
                                .from_data = "means for mls-detail, else centres",
                                .choices = kCellValues}),

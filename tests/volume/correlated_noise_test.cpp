@@ -18,8 +18,8 @@ namespace {
 
 using Counts = std::array<std::size_t, 3>;
 
-/// White noise of a periodic lattice, blurred by Gaussians with these deviations (samples) along the axes, of mean 0 and
-/// deviation 1.
+/// White noise of a periodic lattice, blurred by Gaussians with these deviations (samples) along the axes, of mean 0
+/// and deviation 1.
 std::vector<double> blurred_noise(const Counts& n, const std::array<double, 3>& blur, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -35,8 +35,9 @@ std::vector<double> blurred_noise(const Counts& n, const std::array<double, 3>& 
       for (std::ptrdiff_t d = -reach; d <= reach; ++d) {
         const std::ptrdiff_t to = ((at + d) % size + size) % size - at;
         const double t = static_cast<double>(d) / blur[k];
-        result[i] += std::exp(-0.5 * t * t) *
-                     f[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + to * static_cast<std::ptrdiff_t>(step))];
+        result[i] +=
+            std::exp(-0.5 * t * t) *
+            f[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + to * static_cast<std::ptrdiff_t>(step))];
       }
     }
     f = std::move(result);

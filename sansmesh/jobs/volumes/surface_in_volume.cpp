@@ -79,9 +79,10 @@ SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolu
   if (too_many)
     result.notes.push_back(
         {.code = "too_many",
-         .text = fmt::format("noise moves the surface by a quarter of a spacing or more, but {} take minutes to smooth: "
-                             "the samples are used as they are",
-                             counted(samples->size(), "sample")),
+         .text =
+             fmt::format("noise moves the surface by a quarter of a spacing or more, but {} take minutes to smooth: "
+                         "the samples are used as they are",
+                         counted(samples->size(), "sample")),
          .remedy = "smooth them first (sansmesh volume smooth, with `smoothing` 1)",
          .severity = Note::Severity::warning,
          .of = volume.name()});

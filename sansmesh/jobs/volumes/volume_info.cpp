@@ -189,9 +189,10 @@ std::vector<std::string> summary_of(const VolumeInfo& made) {
                               made.times.back()));
   for (const AttributeInfo& array : made.arrays) line("array", array_words(array));
   if (made.noise)
-    line("noise", *made.noise > 0 ? fmt::format("{:.3g}, {}, smoothed by reconstructions{}", *made.noise, made.noise_kind,
-                                                smoothed_unasked(made.samples) ? "" : " only on request")
-                                  : "none found");
+    line("noise", *made.noise > 0
+                      ? fmt::format("{:.3g}, {}, smoothed by reconstructions{}", *made.noise, made.noise_kind,
+                                    smoothed_unasked(made.samples) ? "" : " only on request")
+                      : "none found");
   if (made.fitted) add_fitted(*made.fitted, lines);
   return lines;
 }

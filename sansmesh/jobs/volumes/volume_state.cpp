@@ -293,15 +293,14 @@ std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progres
   const auto samples = volume.samples(progress);
   const double smoothing = r.options.smoothing.value_or(0);
   const bool means = r.options.cell_values == CellValues::means;
-  return {
-      fmt::format("{}: by {}{}{}{}{}{}", volume.array_name(), r.options.method.value(),
-                  r.options.logarithm.value_or(false) ? " of the logarithm" : "",
-                  r.options.interpolate.value_or(true) ? "" : ", not through the samples",
-                  means ? ", values are means over cells" : "", r.why.empty() ? "" : ", since it is " + r.why,
-                  smoothing > 0 ? fmt::format("; smoothed by {} times its {}noise of {:.3g}", smoothing,
-                                              r.noise_kind.empty() ? "" : r.noise_kind + " ", r.noise)
-                                : ""),
-      fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
+  return {fmt::format("{}: by {}{}{}{}{}{}", volume.array_name(), r.options.method.value(),
+                      r.options.logarithm.value_or(false) ? " of the logarithm" : "",
+                      r.options.interpolate.value_or(true) ? "" : ", not through the samples",
+                      means ? ", values are means over cells" : "", r.why.empty() ? "" : ", since it is " + r.why,
+                      smoothing > 0 ? fmt::format("; smoothed by {} times its {}noise of {:.3g}", smoothing,
+                                                  r.noise_kind.empty() ? "" : r.noise_kind + " ", r.noise)
+                                    : ""),
+          fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
 const ReportSchema& VolumeUse::schema() {

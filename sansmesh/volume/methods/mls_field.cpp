@@ -372,7 +372,7 @@ class MlsField final : public GroupedField {
   int degree_;
   std::vector<double> residuals_;
   std::vector<Vec3> slopes_;  // planes that are subtracted from the values, one per component of each sample, or none
-  VolumeValues shares_;  // one component per sample
+  VolumeValues shares_;       // one component per sample
   std::optional<CellInterpolant> flat_, flat_share_;
   HigherOrderFunctions higher_;
 };

@@ -18,15 +18,15 @@ namespace {
 
 using Reach = std::array<std::size_t, 3>;
 
-constexpr std::size_t kMostReach = 4;  // eddies of flows are larger
-constexpr std::size_t kAlongAxis = 8000;        // residuals on segments along each axis
-constexpr std::size_t kFewestSpaced = 1000;     // residuals below which nothing is said
-constexpr std::size_t kFewestPairs = 200;       // the same of pairs at a distance
+constexpr std::size_t kMostReach = 4;              // eddies of flows are larger
+constexpr std::size_t kAlongAxis = 8000;           // residuals on segments along each axis
+constexpr std::size_t kFewestSpaced = 1000;        // residuals below which nothing is said
+constexpr std::size_t kFewestPairs = 200;          // the same of pairs at a distance
 constexpr int kStencilRadius = 2, kInStencil = 5;  // steps, and their square, of neighbours from the centre
-constexpr double kOpposite = -0.02;             // most correlation of independent residuals at `reach`
-constexpr double kMostOpposite = -0.35;         // least
-constexpr double kUnrelated = 0.2;              // most beyond, up to four times as far
-constexpr double kGrowth = 0.36;                // exponent of the distance: of noise 0.1 to 0.3, of eddies 0.5 and more
+constexpr double kOpposite = -0.02;                // most correlation of independent residuals at `reach`
+constexpr double kMostOpposite = -0.35;            // least
+constexpr double kUnrelated = 0.2;                 // most beyond, up to four times as far
+constexpr double kGrowth = 0.36;  // exponent of the distance: of noise 0.1 to 0.3, of eddies 0.5 and more
 /// Shares of normal deviates beyond 2.5 (0.0124) and within 0.1 (0.0797), with a margin for varying noise.
 constexpr double kTail = 2.5, kLeastTails = 0.003, kMostOfTails = 0.025;
 constexpr double kCentre = 0.1, kLeastCentre = 0.055, kMostCentre = 0.105;
@@ -162,8 +162,8 @@ class CorrelatedNoiseSearch {
           if (reach[k] > 1) ++next[k];
         if (does_not_grow(*residuals, reach, next)) {
           SampleNoise noise = noise_from(*residuals, reach, deviations);
-          noise.found = are_normal(*residuals, noise) && end_at_reach(*residuals, noise) &&
-                        is_above_quanta(*residuals, noise);
+          noise.found =
+              are_normal(*residuals, noise) && end_at_reach(*residuals, noise) && is_above_quanta(*residuals, noise);
           return noise.found ? noise : none;
         }
       }
@@ -259,8 +259,7 @@ class CorrelatedNoiseSearch {
       }
       for (const Segment& s : r.segments)
         for (std::size_t i = s.first; i + reach[s.axis] < s.first + s.count; ++i)
-          components[m].pairs.push_back(
-              {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + reach[s.axis])});
+          components[m].pairs.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + reach[s.axis])});
     }
     find_variation(components, volume_.bounds(), rounding_, noise);
     return noise;
@@ -307,9 +306,7 @@ class CorrelatedNoiseSearch {
     double least = std::numeric_limits<double>::infinity();
     const std::optional<SpacedResiduals> far = look(other);
     if (!far) return least;
-    const auto farthest = [](const Reach& of) {
-      return static_cast<double>(*std::max_element(of.begin(), of.end()));
-    };
+    const auto farthest = [](const Reach& of) { return static_cast<double>(*std::max_element(of.begin(), of.end())); };
     const double distances = std::log(farthest(other) / farthest(reach));
     for (const std::size_t part : {1, 3}) {
       const std::vector<double> a = flat_residuals(r, part), b = flat_residuals(*far, part);

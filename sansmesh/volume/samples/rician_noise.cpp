@@ -14,11 +14,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPlaces = 4000, kAround = 27;
-constexpr double kLeastRatio = 1.3, kMostRatio = 2.7;        // mean over deviation in 27 samples of background
-constexpr double kLeastBackground = 0.03, kAlike = 0.5;      // share of places, and of those with similar deviation
-constexpr double kSimilar = 0.4;                             // accepted differences of these
+constexpr double kLeastRatio = 1.3, kMostRatio = 2.7;    // mean over deviation in 27 samples of background
+constexpr double kLeastBackground = 0.03, kAlike = 0.5;  // share of places, and of those with similar deviation
+constexpr double kSimilar = 0.4;                         // accepted differences of these
 constexpr double kLeastSkewness = 0.42, kMostSkewness = 0.9;
-constexpr double kLeastStrong = 0.75, kMostStrong = 1.35;    // deviation at strong signals over that of a part
+constexpr double kLeastStrong = 0.75, kMostStrong = 1.35;  // deviation at strong signals over that of a part
 constexpr double kMostTabulated = 12;
 
 /// exp(−|x|) I₀(x) and exp(−|x|) I₁(x), x >= 0: abramowitz1964, 9.8.1 to 9.8.4.

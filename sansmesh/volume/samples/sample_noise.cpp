@@ -160,7 +160,8 @@ std::vector<ComponentResiduals> by_component(const SampledVolume& volume, const 
       const double value = rows.predicted[at];
       components[m].residuals.push_back(
           {value, std::isnan(value) ? value : rows.residual[at], volume.position(rows.sample[i])});
-      if (i % kInRow > 0) components[m].pairs.push_back({static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i)});
+      if (i % kInRow > 0)
+        components[m].pairs.push_back({static_cast<std::uint32_t>(i - 1), static_cast<std::uint32_t>(i)});
     }
   return components;
 }
