@@ -328,6 +328,7 @@ class CorrelatedNoiseSearch {
         if (counts(r.residual[i])) all.emplace_back(r.slope[i], std::abs(r.residual[i]));
       std::sort(all.begin(), all.end());
       std::vector<double> magnitudes;
+      magnitudes.reserve(all.size() / part);
       for (std::size_t i = 0; i < all.size() / part; ++i) magnitudes.push_back(all[i].second);
       flat.push_back(magnitudes.size() < kFewestPairs ? 0 : median(magnitudes));
     }
