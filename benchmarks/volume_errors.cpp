@@ -8,6 +8,8 @@
 //                     overlapping
 //   --methods=A,B     default: all; linear is always first
 //   --cells           samples in cells; default: at their corners
+//   --means           samples in cells, means over them instead of values at centres
+//   --overlap=SHIFT   structured blocks as two overlapping ones, the second moved by that share of its cells
 //   --tets            split cells of structured grids into tetrahedra
 //   --count=N         query points; default: 100,000
 //   --by-cells        random points in random cells, so that small cells have the same weight as large ones
@@ -30,7 +32,9 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/samples/cell_quadrature.h"
 #include "thesis_functions.h"
+#include "volume/overlapping_halves.h"
 #include "volume/volume_grids.h"
 #include "volume/volume_points.h"
 
@@ -42,7 +46,8 @@ using benchmark::split, benchmark::points_inside;
 
 struct Options {
   std::vector<std::string> methods, grids;
-  bool cells = false, tets = false, by_cells = false;
+  bool cells = false, means = false, tets = false, by_cells = false;
+  double overlap = 0;  // no overlap
   std::size_t count = 100000, size = 20;
 };
 
@@ -64,11 +69,29 @@ GridData made_up(const std::string& name, std::size_t n, bool& found) {
   return {};
 }
 
+/// Means over the cells of samples.
+template <class F>
+void set_means(const SampledVolume& volume, const F& f, std::vector<double>& values) {
+  const CellQuadrature cells(volume);
+  std::vector<QuadraturePoint> points;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    cells.fine_points(static_cast<std::uint32_t>(i), volume.positions[i], points);
+    values[i] = 0;
+    for (const QuadraturePoint& q : points) values[i] += q.weight * f(volume.positions[i] + q.x);
+  }
+}
+
 void measure(const std::string& name, const Options& options) {
   Progress progress;
   bool found = false;
   GridData data = made_up(name, options.size, found);
   if (!found) data = read_volumes(split(name, '+'));
+  if (options.overlap > 0) {
+    std::vector<GridBlock> halves;
+    for (const GridBlock& block : data.blocks)
+      for (GridBlock& half : test::overlapping_halves(block, options.overlap)) halves.push_back(std::move(half));
+    data.blocks = std::move(halves);
+  }
   if (options.tets)
     for (GridBlock& block : data.blocks)
       if (block.kind == GridKind::lattice || block.kind == GridKind::curvilinear) {
@@ -97,6 +120,9 @@ void measure(const std::string& name, const Options& options) {
   for (int f = 0; f < 3; ++f) {
     std::vector<double> values(made.size());
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = functions[f](normal(made.position(i)));
+    if (options.means && !made.lattice)
+      set_means(
+          made, [&](const Vec3& x) { return functions[f](normal(x)); }, values);
     made.attributes.set(fmt::format("f{}", f + 1), std::move(values));
   }
   const auto volume = std::make_shared<const SampledVolume>(std::move(made));
@@ -156,8 +182,12 @@ int main(int argc, char** argv) {
         methods = split(a.substr(10), ',');
       else if (a == "--cells")
         options.cells = true;
+      else if (a == "--means")
+        options.cells = options.means = true;
       else if (a == "--tets")
         options.tets = true;
+      else if (a.starts_with("--overlap="))
+        options.overlap = std::stod(std::string(a.substr(10)));
       else if (a == "--by-cells")
         options.by_cells = true;
       else if (a.starts_with("--count="))

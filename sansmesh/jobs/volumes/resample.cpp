@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
+#include "sansmesh/dataset/held_values.h"
 #include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/volumes.h"
 
@@ -14,8 +17,12 @@ ResampleResult resample(const VolumeModel& volume, const ResampleOptions& option
   options.validate();
   ResampleResult result;
   const auto field = volume.field(progress, result.notes);
-  result.block =
-      with_name(volume.name(), [&] { return resample_volume(*field, volume.array_name(), options, progress); });
+  const std::optional<ValueRange> range = field->components() == 1 ? range_of_samples(volume, progress) : std::nullopt;
+  std::optional<HeldValues> held;
+  if (range) held.emplace(volume.samples(progress), *range);
+  result.block = with_name(volume.name(), [&] {
+    return resample_volume(*field, volume.array_name(), options, progress, held ? &*held : nullptr);
+  });
   const AttributeTable& arrays = result.block.point_arrays;
   const auto& inside = *arrays[arrays.size() - 1].as<std::uint8_t>();
   for (std::size_t k = 0; k < 3; ++k) result.report.size[k] = result.block.axes[k].size();

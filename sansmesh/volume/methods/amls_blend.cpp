@@ -272,9 +272,10 @@ class AmlsBlend final : public GroupedField {
 
 bool has_linear_share(const SampledVolume& volume) { return !blends_supports(volume, "mls-detail"); }
 
-std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
-                                             std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,
-                                             SharedArray<float> radii, VolumeValues values, const AmlsShape& shape) {
+std::unique_ptr<GroupedField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
+                                              std::shared_ptr<const VolumeLocator> locator,
+                                              LocalPolynomials polynomials, SharedArray<float> radii,
+                                              VolumeValues values, const AmlsShape& shape) {
   return std::make_unique<AmlsBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
                                      std::move(values), shape);
 }

@@ -8,8 +8,8 @@
 #include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume/grid/volume_values.h"
 #include "sansmesh/volume/methods/amls_system.h"
+#include "sansmesh/volume/methods/grouped_field.h"
 #include "sansmesh/volume/samples/local_polynomials.h"
-#include "sansmesh/volume_field.h"
 
 namespace sansmesh::inline v1 {
 
@@ -24,8 +24,9 @@ bool has_linear_share(const SampledVolume& volume);
 ///
 /// The supports that reach a cell are computed on first use and cached, up to 64 MiB for all cells. In addition each
 /// thread caches 2048 cells, 12 to 40 MB for one component.
-std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
-                                             std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,
-                                             SharedArray<float> radii, VolumeValues values, const AmlsShape& shape);
+std::unique_ptr<GroupedField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
+                                              std::shared_ptr<const VolumeLocator> locator,
+                                              LocalPolynomials polynomials, SharedArray<float> radii,
+                                              VolumeValues values, const AmlsShape& shape);
 
 }  // namespace sansmesh::inline v1

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
@@ -92,8 +93,12 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
   if (blends_supports(*input.volume, "mls-detail")) {
     CellFronts fronts;
     if (means && local.fit.robust) fronts = find_cell_fronts(*input.volume, input.values, polynomials, input.logarithm);
+    std::optional<SmoothShare> smooth;
+    const auto is_doubtful = [](float trust) { return SmoothShare::doubt_of(trust) > 0; };
+    if (means && std::any_of(polynomials.trust.begin(), polynomials.trust.end(), is_doubtful))
+      smooth.emplace(input.volume, locator, input.values, input.logarithm, polynomials, input.progress);
     return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values,
-                              input.logarithm, std::move(fronts));
+                              input.logarithm, std::move(fronts), std::move(smooth));
   }
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));

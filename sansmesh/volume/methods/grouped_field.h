@@ -52,6 +52,12 @@ class GroupedField : public VolumeField, public DegreeField {
   virtual bool goes_on_straight() const { return false; }
 
   const SampledVolume& volume() const { return *volume_; }
+  /// For fields that consist of others on the same volume.
+  static std::unique_ptr<Memory> memory_of(const GroupedField& part) { return part.memory(); }
+  static void evaluate_part(const GroupedField& part, const Group& group, Memory& memory,
+                            const PolynomialValues& wanted) {
+    part.evaluate_group(group, memory, wanted);
+  }
   void evaluate_all(std::span<const Vec3> x, const PolynomialValues& wanted) const;
 
  private:

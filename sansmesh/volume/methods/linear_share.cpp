@@ -53,7 +53,8 @@ std::vector<std::uint8_t> overlapping_cells(const SampledVolume& volume) {
 
 }  // namespace
 
-LinearShare::LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials)
+LinearShare::LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials,
+                         bool only_outside)
     : volume_(volume), any_(volume.cells.size(), 0) {
   const std::size_t n = volume.size(), c = values.components;
   joint_.components = c + 1;
@@ -63,7 +64,7 @@ LinearShare::LinearShare(const SampledVolume& volume, const VolumeValues& values
     const double doubt = 1 - static_cast<double>(polynomials.trust[i]);
     share_of(i) = worth(volume.cell_sample.empty() ? doubt : doubt * doubt);
   }
-  volume.cell_sample.empty() ? share_at_corners() : share_in_cells(polynomials);
+  volume.cell_sample.empty() ? share_at_corners() : share_in_cells(polynomials, only_outside);
 }
 
 void LinearShare::share_at_corners() {
@@ -76,7 +77,7 @@ void LinearShare::share_at_corners() {
       if (share_of(k) > 0) any_[cell] = 1;
 }
 
-void LinearShare::share_in_cells(const LocalPolynomials& polynomials) {
+void LinearShare::share_in_cells(const LocalPolynomials& polynomials, bool only_outside) {
   const std::size_t c = joint_.components - 1;
   const std::vector<std::uint8_t> border = border_cells(volume_);
   for (std::size_t cell = 0; cell < border.size(); ++cell)
@@ -88,7 +89,8 @@ void LinearShare::share_in_cells(const LocalPolynomials& polynomials) {
     for (std::size_t k = begin; k < end; ++k) {
       const auto cells = around[k];
       double share = 0;
-      if (std::none_of(cells.begin(), cells.end(), [&](std::uint32_t cell) { return border[cell] != 0; })) {
+      if ((interpolant_->is_outer(k) || !only_outside) &&
+          std::none_of(cells.begin(), cells.end(), [&](std::uint32_t cell) { return border[cell] != 0; })) {
         for (const std::uint32_t cell : cells)
           share += share_of(volume_.cell_sample[cell]) / static_cast<double>(cells.size());
         if (interpolant_->is_outer(k)) share = std::max(share, worth(outer_share(polynomials, k, cells, near)));
@@ -96,6 +98,7 @@ void LinearShare::share_in_cells(const LocalPolynomials& polynomials) {
       interpolant_->set_at_corner(k, c, share);
     }
   });
+  for (std::size_t i = 0; only_outside && i < volume_.size(); ++i) share_of(i) = 0;
   parallel_for(0, any_.size(), 4096, [&](std::size_t cell) {
     bool any = share_of(volume_.cell_sample[cell]) > 0;
     for (const std::uint32_t k : volume_.cells[cell]) any = any || interpolant_->at_corner(k, c) > 0;

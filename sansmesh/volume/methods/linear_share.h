@@ -17,11 +17,13 @@ namespace sansmesh::inline v1 {
 
 /// Linear interpolation of a volume that is no lattice, and its share s, which is interpolated as it is: (1 − trust)²
 /// at samples in cells, 1 − trust at corners (docs/methods/volume-reconstruction.md, Blending). s = 0 in cells where
-/// linear interpolation is not continuous: with partial neighbours, and where cells of several blocks overlap.
+/// linear interpolation is not continuous: with partial neighbours, and where cells of several blocks overlap; with
+/// `only_outside` at samples and corners inside the volume, too.
 class LinearShare {
  public:
   /// `volume` must outlive the object. Runs in parallel.
-  LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials);
+  LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials,
+              bool only_outside = false);
 
   /// Linear interpolation of samples in cells; none for samples at corners.
   const CellInterpolant* interpolant() const { return interpolant_ ? &*interpolant_ : nullptr; }
@@ -36,7 +38,7 @@ class LinearShare {
   };
 
   void share_at_corners();
-  void share_in_cells(const LocalPolynomials& polynomials);
+  void share_in_cells(const LocalPolynomials& polynomials, bool only_outside);
   double& share_of(std::size_t sample) { return joint_.values[(sample + 1) * joint_.components - 1]; }
   double outer_share(const LocalPolynomials& polynomials, std::size_t corner, std::span<const std::uint32_t> cells,
                      Near& near) const;

@@ -81,12 +81,13 @@ class SupportBlend final : public GroupedField, public LevelField {
  public:
   SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
                LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values, bool logarithm,
-               CellFronts fronts)
+               CellFronts fronts, std::optional<SmoothShare> smooth)
       : GroupedField(std::move(volume), std::move(locator), polynomials.components),
         polynomials_(std::move(polynomials)),
-        radii_(std::move(radii)) {
+        radii_(std::move(radii)),
+        smooth_(std::move(smooth)) {
     index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
-    if (!this->volume().lattice) linear_.emplace(this->volume(), values, polynomials_);
+    if (!this->volume().lattice) linear_.emplace(this->volume(), values, polynomials_, smooth_.has_value());
     bounds_ =
         PolynomialBounds(this->volume(), values, polynomials_, linear_ ? linear_->interpolant() : nullptr, logarithm);
     if (!fronts.fronts.empty()) fronts_.emplace(this->volume(), polynomials_, radii_, std::move(fronts));
@@ -103,13 +104,22 @@ class SupportBlend final : public GroupedField, public LevelField {
     std::vector<Vec3> blended_slopes;
     SupportTile tile;
     SupportIndex::Memory found;
+    Vec3 origin;
     std::vector<SupportTerm> terms;
     std::vector<float> coefficients;
     std::vector<double> flat;  // linear interpolation: components and the share, point by point
     std::vector<Vec3> slopes;
+    std::unique_ptr<Memory> part;  // of the smooth approximation
+    SupportTile all, limit;  // weights of all supports, where some are doubtful; bounds of the smooth approximation
+    std::vector<double> smooth, least, most;
+    std::vector<Vec3> smooth_slopes;
   };
 
-  std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
+  std::unique_ptr<Memory> memory() const override {
+    auto lists = std::make_unique<Lists>();
+    if (smooth_) lists->part = memory_of(smooth_->field());
+    return lists;
+  }
   bool goes_on_straight() const override { return true; }
 
   void evaluate_group(const Group& group, Memory& memory, const PolynomialValues& wanted) const override {
@@ -120,6 +130,7 @@ class SupportBlend final : public GroupedField, public LevelField {
     const bool gradient = !wanted.gradients.empty();
     // All of this depends on the cell alone, so that results do not depend on the other points in the cell.
     const Vec3 origin = index_.of_cell(group.cell, lists.found);
+    lists.origin = origin;
     const std::vector<std::uint32_t>& supports = lists.found.supports;
     const std::uint32_t own = lists.found.own;
 
@@ -136,21 +147,21 @@ class SupportBlend final : public GroupedField, public LevelField {
         linear_->evaluate(*group.locations[i], group.x[i], std::span(lists.flat).subspan(i * (c + 1), c + 1),
                           gradient ? std::span(lists.slopes).subspan(i * (c + 1), c + 1) : std::span<Vec3>());
     }
+    const bool doubtful = smooth_ && smooth_->any(supports);
+    if (doubtful) evaluate_smooth(group, filled, gradient, lists);
     const bool front = fronts_ && fronts_->any(supports);
-    std::vector<double>& blended = lists.blended;
-    std::vector<Vec3>& slopes = lists.blended_slopes;
     const auto slots = static_cast<std::size_t>(monomial_count(3, LocalPolynomials::kMaxDegree) - 1);
     lists.terms.resize(supports.size());
     for (std::size_t m = 0; m < c; ++m) {
       const double base = polynomials_.constants[own * c + m];
+      if (doubtful) limit_smooth(m, base, filled, lists);
       lists.coefficients.resize(supports.size() * slots);
       for (std::size_t s = 0; s < supports.size(); ++s) {
         const std::size_t i = supports[s];
         SupportTerm& term = lists.terms[s];
-        term.center = Vec3f(volume().position(i) - origin);
-        term.metric = polynomials_.metric(volume(), i);
-        term.inverse_square = 1 / (radii_[i] * radii_[i]);
+        set_support(i, lists, term);
         term.degree = polynomials_.degrees[i];
+        term.scale = doubtful ? 1 - smooth_->doubt(i) : 1.0f;
         bounds_.set(i, m, base, term);
         term.constant = static_cast<float>(polynomials_.constants[i * c + m] - base);
         const auto of = polynomials_.of(i, m);
@@ -162,37 +173,119 @@ class SupportBlend final : public GroupedField, public LevelField {
         }
       }
       detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, tile);
-      blended.resize(n), slopes.resize(gradient ? n : 0);
-      for (std::size_t i = 0; i < n; ++i) {
-        const float divisor = tile.weight[i];
-        blended[i] = 0;
-        if (gradient) slopes[i] = {};
-        if (!(divisor > kNoSupport)) continue;
-        const float value = tile.value[i] / divisor;
-        const double fitted = static_cast<double>(value);
-        const double* flat = shared ? lists.flat.data() + i * (c + 1) : nullptr;
-        const double more = shared ? flat[m] - base - fitted : 0;
-        blended[i] = shared ? fitted + flat[c] * more : fitted;
-        if (!gradient) continue;
-        Vec3 g;
-        for (std::size_t k = 0; k < 3; ++k)
-          g[k] = static_cast<double>((tile.value_slope[k][i] - value * tile.weight_slope[k][i]) / divisor);
-        if (shared) {
-          const Vec3* flat_slopes = lists.slopes.data() + i * (c + 1);
-          g = g + (flat_slopes[m] - g) * flat[c] + flat_slopes[c] * more;
-        }
-        slopes[i] = g;
-      }
+      blend_points(n, m, base, {gradient, shared, doubtful}, lists);
       if (front)
-        fronts_->apply(supports, {origin, base, wanted.level, n, gradient}, tile, blended, slopes, lists.fronts);
+        fronts_->apply(supports, {origin, base, wanted.level, n, gradient}, doubtful ? lists.all : tile, lists.blended,
+                       lists.blended_slopes, lists.fronts);
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t to = group.to[i] * c + m;
-        if (!wanted.values.empty()) wanted.values[to] = base + blended[i];
-        if (gradient) wanted.gradients[to] = slopes[i];
+        if (!wanted.values.empty()) wanted.values[to] = base + lists.blended[i];
+        if (gradient) wanted.gradients[to] = lists.blended_slopes[i];
       }
     }
     if (wanted.degrees.empty()) return;
     for (std::size_t i = 0; i < n; ++i) wanted.degrees[group.to[i]] = polynomials_.degrees[own];
+  }
+
+  struct Parts {
+    bool gradient, shared, doubtful;  ///< whether gradients are wanted; linear interpolation, smooth approximation
+  };
+
+  /// The blend of a component, relative to the base, from the sums of all supports.
+  void blend_points(std::size_t n, std::size_t component, double base, const Parts& has, Lists& lists) const {
+    const std::size_t c = components();
+    const SupportTile &tile = lists.tile, &whole = has.doubtful ? lists.all : lists.tile;
+    lists.blended.resize(n), lists.blended_slopes.resize(has.gradient ? n : 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const float divisor = whole.weight[i];
+      lists.blended[i] = 0;
+      if (has.gradient) lists.blended_slopes[i] = {};
+      if (!(divisor > kNoSupport)) continue;
+      Smoothed by;
+      if (has.doubtful) by = smooth_at(lists, i, i * c + component, base, has.gradient);
+      const float value = tile.value[i] / divisor;
+      const double fitted = static_cast<double>(value) + by.doubt * by.value;
+      const double* flat = has.shared ? lists.flat.data() + i * (c + 1) : nullptr;
+      const double more = has.shared ? flat[component] - base - fitted : 0;
+      lists.blended[i] = has.shared ? fitted + flat[c] * more : fitted;
+      if (!has.gradient) continue;
+      Vec3 g;
+      for (std::size_t k = 0; k < 3; ++k)
+        g[k] = static_cast<double>((tile.value_slope[k][i] - value * whole.weight_slope[k][i]) / divisor);
+      if (has.doubtful) g = g + by.slope * by.doubt + by.doubt_slope * by.value;
+      if (has.shared) {
+        const Vec3* flat_slopes = lists.slopes.data() + i * (c + 1);
+        g = g + (flat_slopes[component] - g) * flat[c] + flat_slopes[c] * more;
+      }
+      lists.blended_slopes[i] = g;
+    }
+  }
+
+  // The smooth approximation at a point, relative to the base, and its share.
+  struct Smoothed {
+    double value = 0, doubt = 0;
+    Vec3 slope, doubt_slope;
+  };
+
+  void evaluate_smooth(const Group& group, std::size_t filled, bool gradient, Lists& lists) const {
+    const std::size_t n = group.size, c = components();
+    lists.terms.resize(lists.found.supports.size());
+    for (std::size_t s = 0; s < lists.terms.size(); ++s) {
+      const std::size_t i = lists.found.supports[s];
+      set_support(i, lists, lists.terms[s]);
+      lists.terms[s].constant = smooth_->doubt(i);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      std::copy_n(lists.tile.x[k], filled, lists.all.x[k]), std::copy_n(lists.tile.x[k], filled, lists.limit.x[k]);
+    detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, lists.all);
+    lists.smooth.resize(n * c), lists.smooth_slopes.resize(gradient ? n * c : 0);
+    Group part = group;
+    for (std::size_t i = 0; i < n; ++i) part.to[i] = static_cast<std::uint32_t>(i);
+    evaluate_part(smooth_->field(), part, *lists.part, {lists.smooth, lists.smooth_slopes, {}, {}});
+  }
+
+  // Means of the bounds of the doubtful polynomials, relative to the base.
+  void limit_smooth(std::size_t component, double base, std::size_t filled, Lists& lists) const {
+    lists.terms.resize(lists.found.supports.size());
+    for (const bool upper : {false, true}) {
+      for (std::size_t s = 0; s < lists.terms.size(); ++s) {
+        const std::size_t i = lists.found.supports[s];
+        SupportTerm& term = lists.terms[s];
+        if (!upper) set_support(i, lists, term);
+        SupportTerm bounds;
+        bounds_.set(i, component, base, bounds);
+        term.scale = smooth_->doubt(i);
+        term.constant = upper ? bounds.most : bounds.least;
+      }
+      detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, false, lists.limit);
+      std::vector<double>& to = upper ? lists.most : lists.least;
+      to.resize(filled);
+      for (std::size_t i = 0; i < filled; ++i) {
+        const float weight = lists.limit.weight[i];
+        to[i] = weight > kNoSupport ? static_cast<double>(lists.limit.value[i] / weight) : 0;
+      }
+    }
+  }
+
+  void set_support(std::size_t sample, const Lists& lists, SupportTerm& term) const {
+    term = {};
+    term.center = Vec3f(volume().position(sample) - lists.origin);
+    term.metric = polynomials_.metric(volume(), sample);
+    term.inverse_square = 1 / (radii_[sample] * radii_[sample]);
+  }
+
+  static Smoothed smooth_at(const Lists& lists, std::size_t point, std::size_t entry, double base, bool gradient) {
+    Smoothed t;
+    const float divisor = lists.all.weight[point], doubt = lists.all.value[point] / divisor;
+    t.doubt = static_cast<double>(doubt);
+    const double value = lists.smooth[entry] - base;
+    t.value = std::min(std::max(value, lists.least[point]), lists.most[point]);
+    if (!gradient) return t;
+    if (t.value == value) t.slope = lists.smooth_slopes[entry];
+    for (std::size_t k = 0; k < 3; ++k)
+      t.doubt_slope[k] =
+          static_cast<double>((lists.all.value_slope[k][point] - doubt * lists.all.weight_slope[k][point]) / divisor);
+    return t;
   }
 
   // Factor of the terms of degree 2 and more. Planes of samples at corners would be worse than linear interpolation,
@@ -205,6 +298,7 @@ class SupportBlend final : public GroupedField, public LevelField {
   std::optional<LinearShare> linear_;
   PolynomialBounds bounds_;
   std::optional<FrontShare> fronts_;
+  std::optional<SmoothShare> smooth_;
 };
 
 }  // namespace
@@ -231,9 +325,10 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const VolumeValues& values, bool logarithm, CellFronts fronts) {
+                                                const VolumeValues& values, bool logarithm, CellFronts fronts,
+                                                std::optional<SmoothShare> smooth) {
   return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
-                                        values, logarithm, std::move(fronts));
+                                        values, logarithm, std::move(fronts), std::move(smooth));
 }
 
 }  // namespace sansmesh::inline v1
