@@ -119,6 +119,9 @@ struct SANSMESH_API VolumePictureOptions {
   /// A ray ends when the transmitted share of the light behind falls below this, 0..0.1.
   double least_light = 0.002;
   bool skip_empty = true;  ///< skips clear cells
+  /// Estimated error of a pixel's mean light, in levels of 255, above which it gets more of its samples, 0..255. 0: all
+  /// pixels have all.
+  double pixel_error = 1;
 
   bool color_bar = false;        ///< adds a colour bar to the right; the picture becomes wider
   std::string color_title = {};  ///< quantity and unit, for the colour bar

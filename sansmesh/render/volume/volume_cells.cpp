@@ -11,6 +11,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostCells = 48;            // along the longest side
+constexpr int kMostKnown = 96;            // the same for fields that know their ranges
 constexpr double kCellSpacings = 3;       // approximate edge of a cell in spacings
 constexpr int kMostPoints = 6;            // in each direction of a cell
 constexpr std::size_t kBudget = 3000000;  // points for ranges
@@ -41,23 +42,28 @@ VolumeCells::VolumeCells(const VolumeField& field, const VolumeField* other, Pro
   field.spacing(x, found);
   std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 4), found.end());
   const double typical = found[found.size() / 4];
-  const double edge = std::max(longest / kMostCells, std::min(longest / 4, kCellSpacings * typical));
+  ValueRange whole{-std::numeric_limits<double>::infinity(), 0};
+  field.ranges(std::span(&box_, 1), std::span(&whole, 1));
+  const bool known = std::isfinite(whole.least) && !other;
+  const int most_cells = known ? kMostKnown : kMostCells;
+  const double edge = std::max(longest / most_cells, std::min(longest / 4, kCellSpacings * typical));
   for (std::size_t k = 0; k < 3; ++k) {
-    counts_[k] = index_in<int>(std::ceil(size[k] / edge - 1e-9), 1, kMostCells);
+    counts_[k] = index_in<int>(std::ceil(size[k] / edge - 1e-9), 1, most_cells);
     edge_[k] = size[k] / counts_[k], inverse_[k] = counts_[k] / size[k];
   }
   const auto total = static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
                      static_cast<std::size_t>(counts_[2]);
-  // The least spacing at the centre and near the corners.
+  // The least spacing at the centre and, of large cells, near the corners.
+  const std::size_t tests = known ? 1 : 9;
   x.clear();
-  x.reserve(9 * total);
+  x.reserve(tests * total);
   for (std::size_t c = 0; c < total; ++c) {
     const std::size_t i = c % static_cast<std::size_t>(counts_[0]);
     const std::size_t j = c / static_cast<std::size_t>(counts_[0]) % static_cast<std::size_t>(counts_[1]);
     const std::size_t k = c / static_cast<std::size_t>(counts_[0]) / static_cast<std::size_t>(counts_[1]);
     const Vec3 corner = box_.lower + Vec3{static_cast<double>(i) * edge_.x, static_cast<double>(j) * edge_.y,
                                           static_cast<double>(k) * edge_.z};
-    for (int p = 0; p < 9; ++p) {
+    for (int p = 9 - static_cast<int>(tests); p < 9; ++p) {
       const auto at = [&](int bit, double length) { return (p == 8 ? 0.5 : p >> bit & 1 ? 0.98 : 0.02) * length; };
       x.push_back(corner + Vec3{at(0, edge_.x), at(1, edge_.y), at(2, edge_.z)});
     }
@@ -71,8 +77,8 @@ VolumeCells::VolumeCells(const VolumeField& field, const VolumeField* other, Pro
   }
   spacing_.resize(total);
   for (std::size_t c = 0; c < total; ++c) {
-    const double least = *std::min_element(found.begin() + static_cast<std::ptrdiff_t>(9 * c),
-                                           found.begin() + static_cast<std::ptrdiff_t>(9 * c + 9));
+    const auto first = found.begin() + static_cast<std::ptrdiff_t>(tests * c);
+    const double least = *std::min_element(first, first + static_cast<std::ptrdiff_t>(tests));
     spacing_[c] = static_cast<float>(std::isfinite(least) && least > 0 ? std::min(least, longest) : 1e-3 * longest);
   }
   find_ranges(field, ranges_, progress);

@@ -185,6 +185,7 @@ void VolumePictureOptions::validate() const {
   check_range("opacity_factor", opacity_factor, 0, 1000);
   check_range("step", step, 0.05, 4);
   check_range("least_light", least_light, 0, 0.1);
+  check_range("pixel_error", pixel_error, 0, 255);
   if (isos.size() > kMostSurfaces)
     throw ArgumentError(fmt::format("`isos` may hold {} surfaces, not {}", kMostSurfaces, isos.size()));
   if (clips.size() > kMostSurfaces)

@@ -18,6 +18,7 @@
 #include "sansmesh/render/scene/painter.h"
 #include "sansmesh/render/scene/pixel.h"
 #include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/pixel_means.h"
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
 #include "sansmesh/render/volume/volume_cells.h"
@@ -30,21 +31,8 @@ namespace {
 using LightMap = PixelMap<std::array<float, 4>>;
 
 constexpr int kVolumeTile = 32;
-constexpr std::size_t kFineRays = 1024;  // rays per batch for pixels with several rays
-constexpr float kContrast =
-    0.035f;  // least difference of neighbours for several rays per pixel; about the threshold of the eye
 constexpr int kCheckEvery = 16;  // one pixel is checked per square of this side
 constexpr std::size_t kHistogramPoints = 60000;
-
-/// Order of the pixels of a tile with locality: blocks of 4 × 4.
-std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int bottom) {
-  std::vector<std::pair<int, int>> pixels;
-  for (int y = top; y < bottom; y += 4)
-    for (int x = left; x < right; x += 4)
-      for (int v = y; v < std::min(y + 4, bottom); ++v)
-        for (int u = x; u < std::min(x + 4, right); ++u) pixels.emplace_back(u, v);
-  return pixels;
-}
 
 /// Adds the ray through a point in pixels.
 void add_ray(CameraRays& rays, const VolumePictureOptions& options, float x, float y) {
@@ -68,14 +56,10 @@ VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box)
   return options;
 }
 
-/// Approximate perceived colour on a background of medium lightness.
-Vec3f seen(const std::array<float, 4>& p) {
-  const auto root = [&](float c) { return std::sqrt(std::max(0.0f, c + 0.6f * p[3])); };
-  return {root(p[0]), root(p[1]), root(p[2])};
-}
-
-float difference(const Vec3f& a, const Vec3f& b) {
-  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
+/// The colour of a ray on white, as displayed.
+Vec3f on_white(const TracedLight& l) {
+  return srgb_color(
+      Vec3f{std::min(1.0f, l.light.x + l.left), std::min(1.0f, l.light.y + l.left), std::min(1.0f, l.light.z + l.left)});
 }
 
 /// The background behind the volume as a picture.
@@ -143,15 +127,12 @@ class VolumePicture::Work {
     }
     const VolumeTracer tracer(volume, camera, chosen.function, options);
     LightMap map(options.picture.view.width, options.picture.view.height);
-    std::atomic<std::uint64_t> evaluations{0}, rays{0};
-    coarse(tracer, camera, options, map, progress, evaluations, rays);
     VolumePictureReport own;
-    if (check) check_steps(volume, camera, chosen.function, options, map, own);
-    if (options.picture.quality.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
+    draw(tracer, camera, options, map, progress, own);
+    if (check) check_steps(tracer, volume, camera, chosen.function, options, own);
     if (report) {
       own.transfer = chosen.function, own.why = chosen.why;
       own.notes = notes(options);
-      own.rays = rays, own.evaluations = evaluations;
       *report = own;
     }
     return map;
@@ -233,103 +214,48 @@ class VolumePicture::Work {
     return frame;
   }
 
-  void coarse(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
-              Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
+  /// Mean light of all pixels.
+  static void draw(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
+                   Progress& progress, VolumePictureReport& report) {
     const int across = (map.width + kVolumeTile - 1) / kVolumeTile, down = (map.height + kVolumeTile - 1) / kVolumeTile;
     const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+    std::atomic<std::uint64_t> evaluations{0}, rays{0};
     progress.begin("rendering", tiles);
     parallel_for(0, tiles, 1, [&](std::size_t tile) {
       const int left = static_cast<int>(tile) % across * kVolumeTile,
                 top = static_cast<int>(tile) / across * kVolumeTile;
-      const auto pixels =
-          tile_pixels(left, top, std::min(left + kVolumeTile, map.width), std::min(top + kVolumeTile, map.height));
-      CameraRays going(camera);
-      for (const auto& [x, y] : pixels)
-        add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-      std::vector<TracedLight> lights(pixels.size());
-      evaluations += tracer.trace(going.rays(), lights);
-      rays += pixels.size();
-      for (std::size_t i = 0; i < pixels.size(); ++i) {
-        const TracedLight& l = lights[i];
-        map.at(pixels[i].first, pixels[i].second) = {l.light.x, l.light.y, l.light.z, l.left};
-      }
+      const PixelTile pixels{left, top, std::min(left + kVolumeTile, map.width),
+                             std::min(top + kVolumeTile, map.height)};
+      const auto trace = [&](std::span<const std::array<float, 2>> points, std::span<TracedLight> lights) {
+        CameraRays going(camera);
+        for (const auto& [x, y] : points) add_ray(going, options, x, y);
+        evaluations += tracer.trace(going.rays(), lights);
+      };
+      rays += pixel_means(pixels, {options.picture.quality.samples, options.pixel_error}, trace, map);
       progress.advance();
     });
     progress.finish();
+    report.rays = rays, report.evaluations = evaluations;
   }
 
-  /// Traces several rays where a pixel differs from a neighbour: its single ray may miss half of the content.
-  void fine(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
-            Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
-    PixelMap<std::uint8_t> wanted(map.width, map.height, 0);
-    for (int y = 0; y < map.height; ++y)
-      for (int x = 0; x < map.width; ++x) {
-        const Vec3f here = seen(map.at(x, y));
-        for (const auto& [u, v] : {std::pair{x + 1, y}, {x, y + 1}}) {
-          if (u >= map.width || v >= map.height) continue;
-          if (difference(here, seen(map.at(u, v))) > kContrast) wanted.at(x, y) = wanted.at(u, v) = 1;
-        }
-      }
-    std::vector<std::pair<int, int>> pixels;
-    for (int y = 0; y < map.height; y += kVolumeTile)
-      for (int x = 0; x < map.width; x += kVolumeTile)
-        for (const auto& [u, v] :
-             tile_pixels(x, y, std::min(x + kVolumeTile, map.width), std::min(y + kVolumeTile, map.height)))
-          if (wanted.at(u, v)) pixels.emplace_back(u, v);
-    const int n = options.picture.quality.samples;
-    const auto each = static_cast<std::size_t>(n * n);
-    const std::size_t chunk = std::max<std::size_t>(1, kFineRays / each), chunks = (pixels.size() + chunk - 1) / chunk;
-    progress.begin("smoothing", std::max<std::size_t>(1, chunks));
-    parallel_for(0, chunks, 1, [&](std::size_t c) {
-      const std::size_t first = c * chunk, last = std::min(first + chunk, pixels.size());
-      CameraRays going(camera);
-      for (std::size_t i = first; i < last; ++i)
-        for (int row = 0; row < n; ++row)
-          for (int column = 0; column < n; ++column)
-            add_ray(going, options,
-                    static_cast<float>(pixels[i].first) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n),
-                    static_cast<float>(pixels[i].second) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
-      std::vector<TracedLight> lights(going.size());
-      evaluations += tracer.trace(going.rays(), lights);
-      rays += going.size();
-      for (std::size_t i = first; i < last; ++i) {
-        std::array<float, 4> sum{};
-        for (std::size_t s = 0; s < each; ++s) {
-          const TracedLight& l = lights[(i - first) * each + s];
-          sum[0] += l.light.x, sum[1] += l.light.y, sum[2] += l.light.z, sum[3] += l.left;
-        }
-        for (float& v : sum) v /= static_cast<float>(each);
-        map.at(pixels[i].first, pixels[i].second) = sum;
-      }
-      progress.advance();
-    });
-    progress.finish();
-  }
-
-  void check_steps(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
-                   const VolumePictureOptions& options, const LightMap& map, VolumePictureReport& report) const {
+  static void check_steps(const VolumeTracer& whole, const TracedVolume& volume, const Camera& camera,
+                          const TransferFunction& transfer, const VolumePictureOptions& options,
+                          VolumePictureReport& report) {
     VolumePictureOptions halved = options;
     halved.step = 0.5 * options.step;
     const VolumeTracer tracer(volume, camera, transfer, halved);
     CameraRays going(camera);
-    std::vector<std::array<float, 4>> before;
-    for (int y = kCheckEvery / 2; y < map.height; y += kCheckEvery)
-      for (int x = kCheckEvery / 2; x < map.width; x += kCheckEvery) {
+    for (int y = kCheckEvery / 2; y < options.picture.view.height; y += kCheckEvery)
+      for (int x = kCheckEvery / 2; x < options.picture.view.width; x += kCheckEvery)
         add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-        before.push_back(map.at(x, y));
-      }
     if (going.size() == 0) return;
-    std::vector<TracedLight> lights(going.size());
+    std::vector<TracedLight> before(going.size()), lights(going.size());
+    whole.trace(going.rays(), before);
     tracer.trace(going.rays(), lights);
     double sum = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
-      // On white, as displayed.
-      const auto shown = [](float r, float g, float b, float left) {
-        return srgb_color(Vec3f{std::min(1.0f, r + left), std::min(1.0f, g + left), std::min(1.0f, b + left)});
-      };
-      const Vec3f a = shown(before[i][0], before[i][1], before[i][2], before[i][3]);
-      const Vec3f b = shown(lights[i].light.x, lights[i].light.y, lights[i].light.z, lights[i].left);
-      const double d = 255 * static_cast<double>(difference(a, b));
+      const Vec3f a = on_white(before[i]), b = on_white(lights[i]);
+      const double d = 255 * static_cast<double>(std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}));
       sum += d, report.step_error_most = std::max(report.step_error_most, d);
     }
     report.step_error_mean = sum / static_cast<double>(lights.size());

@@ -64,7 +64,7 @@ class VolumePicture {
                bool check_steps = false) const;
 
   /// Light without a background, for a camera in coordinates of frame(): linear premultiplied light, and the
-  /// transmitted share of the light from behind. One ray per pixel, options.samples² where neighbours differ.
+  /// transmitted share of the light from behind, as pixel_means().
   PixelMap<std::array<float, 4>> light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
                                        VolumePictureReport* report = nullptr) const;
 

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kBent = 0.25;  // share of the range: largest difference between a value and the prediction of a slope
 constexpr double kShortest = 0.05;  // least share of a step that is halved
+constexpr double kFair = 0.04;      // the same share for steps that were stretched
+constexpr double kStraight = 0.005;  // the same share below which the next step is longer
+constexpr double kLonger = 1.5, kLongest = 2;  // growth of steps, and their largest length in usual ones
 
 }  // namespace
 
@@ -49,6 +52,11 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
   const auto [lower, upper] = transfer.range();
   value_range_ = upper - lower, other_range_ = transfer.opacities.back().value - transfer.opacities.front().value;
   const VolumeCells& cells = *volume.cells;
+  const Vec3& edge = cells.edge();
+  const double most = std::min({edge.x, edge.y, edge.z}) / frame_.frame.size;
+  steps_.reserve(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    steps_.push_back(std::min(options.step * cells.spacing(c) / frame_.frame.size, most));
   clear_.assign(cells.size(), 0);
   if (!options.skip_empty) return;
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -71,13 +79,6 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
         clear_[c] = 0;
   }
   detail::clear_reach(cells, clear_);
-}
-
-double VolumeTracer::step_at(std::size_t cell, double t) const {
-  const Vec3& edge = volume_.cells->edge();
-  const double most = std::min({edge.x, edge.y, edge.z}) / frame_.frame.size;
-  const double step = options_.step * volume_.cells->spacing(cell) / frame_.frame.size;
-  return std::max(std::min(step, most), 0.5 * frame_.footprint(t));
 }
 
 /// Advances to the next interval, through the surfaces before it; false if there is none, or nothing more is visible.
@@ -106,6 +107,7 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
       if (!next_interval(walk, scratch)) return false;
       walk.within = walk.begun = true;
       walk.started = false;
+      walk.stretch = 1;
       walk.t = walk.now.begin;
       if (walk.now.begins_at_cut && options_.clip_faces) return true;
     }
@@ -117,7 +119,7 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
         walk.t = walk.retry, walk.retry = 0;
         return true;
       }
-      double step = step_at(cell, at);
+      double step = walk.stretch * step_at(cell, at);
       // A long step must not skip details in the next cell.
       const double way = volume_.cells->exit(cell, frame_.world(walk, at), walk.direction * frame_.frame.size);
       if (way < step && at + way < walk.now.end) {
@@ -135,6 +137,7 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
       if (t < walk.now.end) cell = volume_.cells->cell(frame_.world(walk, t));
     }
     walk.started = walk.begun = false;
+    walk.stretch = 1;
     if (t >= walk.now.end) {
       walk.within = false;
       if (!walk.now.ends_at_cut || !options_.clip_faces) continue;
@@ -147,21 +150,28 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
   }
 }
 
+/// Largest difference between a value and its prediction by the slope at the other end of a step, as a share of the
+/// range of the transfer function.
+double VolumeTracer::bend(const TracedSample& a, const TracedSample& b) const {
+  const double d = b.t - a.t;
+  const auto share = [d](double rise, double slope, double other, double range) {
+    const double most = std::max(std::abs(slope * d - rise), std::abs(other * d - rise));
+    return most == 0 ? 0 : most / range;
+  };
+  const double first = share(b.value - a.value, a.slope, b.slope, value_range_);
+  return separate_ ? std::max(first, share(b.other - a.other, a.other_slope, b.other_slope, other_range_)) : first;
+}
+
 /// Whether a step is too long for the slopes at its ends: flat cells at walls hide layers much thinner than the
-/// spacing. Halving ends at a quarter of a pixel.
+/// spacing. Halving ends at a quarter of a pixel. Stretched steps must be smooth.
 bool VolumeTracer::too_far(const TracedWalk& walk, const TracedSample& now) const {
   const TracedSample& before = walk.before;
   const double d = now.t - before.t;
-  if (d < 0.5 * frame_.footprint(now.t) ||
-      d < kShortest * step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t))
-    return false;
-  const double rise = now.value - before.value;
-  const double bend = std::max(std::abs(before.slope * d - rise), std::abs(now.slope * d - rise));
-  if (bend > kBent * value_range_) return true;
-  if (!separate_) return false;
-  const double other = now.other - before.other;
-  return std::max(std::abs(before.other_slope * d - other), std::abs(now.other_slope * d - other)) >
-         kBent * other_range_;
+  if (d < 0.5 * frame_.footprint(now.t)) return false;
+  const double found = bend(before, now);
+  if (!(found > kFair)) return false;
+  const double step = step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t);
+  return found > kBent ? d >= kShortest * step : d > 1.01 * step;
 }
 
 /// Samples all active walks at their positions.
@@ -240,7 +250,10 @@ void VolumeTracer::take_step(TracedWalk& walk, TracedSample& now, std::span<IsoR
   if (walk.begun && walk.now.begins_at_cut && options_.clip_faces) light_.cut_face(walk, now);
   walk.begun = false;
   if (now.on_face) light_.gap_face(walk, now);
-  if (walk.started) light_.go_through(walk, walk.before, now, roots);
+  if (walk.started) {
+    walk.stretch = bend(walk.before, now) < kStraight ? std::min(kLonger * walk.stretch, kLongest) : 1;
+    light_.go_through(walk, walk.before, now, roots);
+  }
   if (walk.left <= options_.least_light) {
     walk.left = 0, walk.within = false;
     return;

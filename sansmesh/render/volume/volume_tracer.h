@@ -1,6 +1,7 @@
 // Emission and absorption along rays through a volume, front to back, for many rays together.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -57,7 +58,8 @@ class VolumeTracer {
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
   bool next_interval(TracedWalk& walk, const Scratch& scratch) const;
   bool advance(TracedWalk& walk, const Scratch& scratch) const;
-  double step_at(std::size_t cell, double t) const;
+  double step_at(std::size_t cell, double t) const { return std::max(steps_[cell], 0.5 * frame_.footprint(t)); }
+  double bend(const TracedSample& a, const TracedSample& b) const;
   bool too_far(const TracedWalk& walk, const TracedSample& now) const;
   std::size_t evaluate(Scratch& scratch) const;
   void take_step(TracedWalk& walk, TracedSample& now, std::span<IsoRoot> roots) const;
@@ -69,6 +71,7 @@ class VolumeTracer {
   bool separate_ = false;
   double value_range_ = 0, other_range_ = 0;  // ranges of the transfer function
   std::vector<std::uint8_t> clear_;           // per cell: 0, or 1 + the number of clear layers around it
+  std::vector<double> steps_;                 // per cell: length of a step
 };
 
 }  // namespace sansmesh::inline v1

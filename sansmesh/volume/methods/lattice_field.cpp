@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,31 @@ ValueGradient tensor_sum(const double* f, std::size_t stride, std::size_t row, s
   return sum;
 }
 
+/// The same for four samples in each direction, without a stride.
+ValueGradient sum_of_fours(const double* f, std::size_t row, std::size_t slab, const std::array<AxisWeights, 3>& w) {
+  constexpr std::size_t kFour = 4;
+  double values[kFour] = {}, by_y[kFour] = {}, by_z[kFour] = {};
+  for (std::size_t k = 0; k < kFour; ++k)
+    for (std::size_t j = 0; j < kFour; ++j) {
+      const double* const r = f + k * slab + j * row;
+      const double weight = w[2].value[k] * w[1].value[j];
+      const double along_y = w[2].value[k] * w[1].slope[j], along_z = w[2].slope[k] * w[1].value[j];
+      for (std::size_t i = 0; i < kFour; ++i) {
+        values[i] += weight * r[i];
+        by_y[i] += along_y * r[i];
+        by_z[i] += along_z * r[i];
+      }
+    }
+  ValueGradient sum;
+  for (std::size_t i = 0; i < kFour; ++i) {
+    sum.value += w[0].value[i] * values[i];
+    sum.x += w[0].slope[i] * values[i];
+    sum.y += w[0].value[i] * by_y[i];
+    sum.z += w[0].value[i] * by_z[i];
+  }
+  return sum;
+}
+
 template <class Axis>
 class LatticeField final : public PointwiseField {
  public:
@@ -58,7 +84,8 @@ class LatticeField final : public PointwiseField {
 
   void evaluate(std::span<const Vec3> x, const VolumeFieldValues& wanted) const override {
     if (components() != 1 || wanted.values.size() != x.size() ||
-        (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) || !wanted.inside.empty())
+        (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) ||
+        (!wanted.inside.empty() && wanted.inside.size() != x.size()))
       return PointwiseField::evaluate(x, wanted);
     // Fast path for pictures: a value and its gradient at many points.
     const Lattice& lattice = *volume().lattice;
@@ -78,16 +105,26 @@ class LatticeField final : public PointwiseField {
         Vec3 gradient;
         at_axes(a, &wanted.values[i], &gradient);
         if (!wanted.gradients.empty()) wanted.gradients[i] = gradient;
+        if (!wanted.inside.empty()) wanted.inside[i] = 1;
       }
       if (outside.empty()) return;
       std::vector<double> values(outside.size());
       std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : outside.size());
-      PointwiseField::evaluate(outside, {values, gradients});
+      std::vector<std::uint8_t> within(wanted.inside.empty() ? 0 : outside.size());
+      PointwiseField::evaluate(outside, {values, gradients, within});
       for (std::size_t k = 0; k < outside.size(); ++k) {
         wanted.values[of[k]] = values[k];
         if (!gradients.empty()) wanted.gradients[of[k]] = gradients[k];
+        if (!within.empty()) wanted.inside[of[k]] = within[k];
       }
     });
+  }
+
+  void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override {
+    if constexpr (std::is_same_v<Axis, CubicAxis>)
+      parallel_for(0, boxes.size(), kLatticeGrain, [&](std::size_t b) { found[b] = range_in(boxes[b]); });
+    else
+      PointwiseField::ranges(boxes, found);
   }
 
  protected:
@@ -96,6 +133,33 @@ class LatticeField final : public PointwiseField {
   }
 
  private:
+  /// Weights sum to 1, so values exceed those of the samples around by at most a share of their range.
+  ValueRange range_in(const Box3& box) const {
+    const Lattice& lattice = *volume().lattice;
+    Box3 axes;
+    for (int corner = 0; corner < 8; ++corner)
+      axes.extend(lattice.to_axes({(corner & 1 ? box.upper : box.lower).x, (corner & 2 ? box.upper : box.lower).y,
+                                   (corner & 4 ? box.upper : box.lower).z}));
+    std::array<std::pair<std::size_t, std::size_t>, 3> part;
+    double most = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      part[k] = axes_[k].samples_of(axes.lower[k], axes.upper[k]);
+      most *= axes_[k].most_weight(axes.lower[k], axes.upper[k]);
+    }
+    const std::size_t n = components(), nx = axes_[0].size(), ny = axes_[1].size();
+    const double* const f = samples().values.data();
+    ValueRange range{f[n * (part[0].first + nx * (part[1].first + ny * part[2].first))], 0};
+    range.most = range.least;
+    for (std::size_t k = part[2].first; k <= part[2].second; ++k)
+      for (std::size_t j = part[1].first; j <= part[1].second; ++j)
+        for (std::size_t i = part[0].first; i <= part[0].second; ++i) {
+          const double value = f[n * (i + nx * (j + ny * k))];
+          range.least = std::min(range.least, value), range.most = std::max(range.most, value);
+        }
+    const double beyond = 0.5 * (most - 1) * (range.most - range.least);
+    return {range.least - beyond, range.most + beyond};
+  }
+
   void at_axes(const Vec3& a, double* values, Vec3* gradients) const {
     std::array<AxisWeights, 3> w;
     for (std::size_t k = 0; k < 3; ++k) axes_[k].weights(a[k], w[k]);
@@ -105,7 +169,7 @@ class LatticeField final : public PointwiseField {
     const bool whole = w[0].count == 4 && w[1].count == 4 && w[2].count == 4;
     for (std::size_t c = 0; c < n; ++c) {
       const ValueGradient sum = !whole   ? tensor_sum<0>(f + c, n, row, slab, w)
-                                : n == 1 ? tensor_sum<4>(f, 1, row, slab, w)
+                                : n == 1 ? sum_of_fours(f, row, slab, w)
                                          : tensor_sum<4>(f + c, n, row, slab, w);
       values[c] = sum.value;
       if (gradients)

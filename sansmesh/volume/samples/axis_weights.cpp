@@ -23,6 +23,8 @@ CubicAxis::CubicAxis(std::span<const double> knots, bool uniform, double b, doub
     const double s = 1 / (knots_[1] - knots_[0]);
     value_ = {{1, 0, 0}, {0, 1, 0}};
     slope_.assign(2, {-s * steep, s * steep, 0});
+    pieces_ = {piece_of(0)};
+    find_most_weights();
     return;
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -37,46 +39,71 @@ CubicAxis::CubicAxis(std::span<const double> knots, bool uniform, double b, doub
       value_[i][j] = (j == at ? 1 : 0) + (at == 1 ? b / 6 * 2 * h0 * h1 * second[j] : 0);
     }
   }
+  pieces_.reserve(n - 1);
+  for (std::size_t i = 0; i + 1 < n; ++i) pieces_.push_back(piece_of(i));
+  find_most_weights();
+}
+
+std::size_t CubicAxis::piece_at(double x) const {
+  const std::size_t n = knots_.size();
+  if (!(inverse_step_ > 0)) return interval_of(knots_, false, x);
+  const double t = (x - knots_[0]) * inverse_step_;
+  // Points moved by rounding meet the next piece smoothly.
+  return t > 0 ? std::min(static_cast<std::size_t>(t), n - 2) : 0;
+}
+
+void CubicAxis::find_most_weights() {
+  // On the interval, and half a step beyond the ends. Between the tested places sums are larger by less than a
+  // hundredth.
+  constexpr int kTests = 16;
+  const auto sum_at = [&](double x) {
+    AxisWeights w;
+    weights(x, w);
+    double sum = 0;
+    for (std::size_t j = 0; j < w.count; ++j) sum += std::abs(w.value[j]);
+    return 1.01 * sum;
+  };
+  // Equal steps have equal weights, except for those next to the ends.
+  const std::size_t n = pieces_.size(), tested = inverse_step_ > 0 ? std::min<std::size_t>(n, 3) : n;
+  for (std::size_t k = 0; k < tested; ++k) {
+    const std::size_t i = k < 2 || tested == n ? k : n - 1;
+    const double h = knots_[i + 1] - knots_[i];
+    for (int t = 0; t <= kTests; ++t) most_within_ = std::max(most_within_, sum_at(knots_[i] + h * t / kTests));
+  }
+  most_beyond_ = std::max({most_within_, sum_at(knots_[0] - 0.5 * (knots_[1] - knots_[0])),
+                           sum_at(knots_.back() + 0.5 * (knots_.back() - knots_[knots_.size() - 2]))});
+}
+
+CubicAxis::Piece CubicAxis::piece_of(std::size_t i) const {
+  const std::size_t n = knots_.size(), from = base(i), to = base(i + 1);
+  const double h = knots_[i + 1] - knots_[i];
+  Piece piece{knots_[i], 1 / h, n > kCount ? std::min(from, n - kCount) : 0, {}};
+  // Values and slopes at both ends; three weights from `at` on, which is 0 or 1.
+  std::array<double, kCount + 2> a{}, b{}, c{}, d{};
+  for (std::size_t j = 0; j < 3; ++j) {
+    a[from - piece.first + j] = value_[i][j], c[from - piece.first + j] = h * slope_[i][j];
+    b[to - piece.first + j] = value_[i + 1][j], d[to - piece.first + j] = h * slope_[i + 1][j];
+  }
+  for (std::size_t j = 0; j < kCount; ++j) {
+    piece.powers[0][j] = a[j];
+    piece.powers[1][j] = c[j];
+    piece.powers[2][j] = 3 * (b[j] - a[j]) - 2 * c[j] - d[j];
+    piece.powers[3][j] = 2 * (a[j] - b[j]) + c[j] + d[j];
+  }
+  return piece;
 }
 
 void CubicAxis::weights(double x, AxisWeights& out) const {
-  const std::size_t n = knots_.size();
-  std::size_t i;
-  if (inverse_step_ > 0) {
-    const double t = (x - knots_[0]) * inverse_step_;
-    i = t > 0 ? std::min(static_cast<std::size_t>(t), n - 2)
-              : 0;  // points moved by rounding meet the next piece smoothly
-  } else {
-    i = interval_of(knots_, false, x);
+  const Piece& p = pieces_[piece_at(x)];
+  const double u = (x - p.knot) * p.inverse, v = std::clamp(u, 0.0, 1.0), beyond = u - v;
+  out.first = p.first;
+  out.count = std::min(knots_.size(), kCount);
+  for (std::size_t j = 0; j < kCount; ++j) {
+    const double c1 = p.powers[1][j], c2 = p.powers[2][j], c3 = p.powers[3][j];
+    const double slope = c1 + v * (2 * c2 + v * (3 * c3));
+    out.value[j] = p.powers[0][j] + v * (c1 + v * (c2 + v * c3)) + beyond * slope;
+    out.slope[j] = slope * p.inverse;
   }
-  const double h = knots_[i + 1] - knots_[i], u = (x - knots_[i]) / h;
-  double v0, v1, s0, s1, dv0, dv1, ds0, ds1;  // derivatives with respect to values and slopes at both ends
-  if (u < 0) {
-    v0 = 1, v1 = 0, s0 = u * h, s1 = 0, dv0 = dv1 = 0, ds0 = 1, ds1 = 0;
-  } else if (u > 1) {
-    v0 = 0, v1 = 1, s0 = 0, s1 = (u - 1) * h, dv0 = dv1 = 0, ds0 = 0, ds1 = 1;
-  } else {
-    const double w = 1 - u;
-    v1 = u * u * (3 - 2 * u), v0 = 1 - v1;
-    s0 = h * u * w * w, s1 = -h * u * u * w;
-    dv1 = 6 * u * w / h, dv0 = -dv1;
-    ds0 = w * (1 - 3 * u), ds1 = u * (3 * u - 2);
-  }
-  const std::size_t b0 = base(i), b1 = base(i + 1), shift = b1 - b0;
-  out.first = n > kCount ? std::min(b0, n - kCount) : 0;
-  out.count = std::min(n, kCount);
-  const std::size_t at = b0 - out.first;
-  const auto &a = value_[i], &b = value_[i + 1], &c = slope_[i], &d = slope_[i + 1];
-  double value[kCount + 2] = {}, slope[kCount + 2] = {};  // three from `at`, three from `at + shift`, both 0 or 1
-  for (std::size_t j = 0; j < 3; ++j) {
-    value[at + j] = v0 * a[j] + s0 * c[j];
-    slope[at + j] = dv0 * a[j] + ds0 * c[j];
-  }
-  for (std::size_t j = 0; j < 3; ++j) {
-    value[at + shift + j] += v1 * b[j] + s1 * d[j];
-    slope[at + shift + j] += dv1 * b[j] + ds1 * d[j];
-  }
-  for (std::size_t j = 0; j < kCount; ++j) out.value[j] = value[j], out.slope[j] = slope[j];
 }
 
 SincAxis::SincAxis(std::span<const double> knots)

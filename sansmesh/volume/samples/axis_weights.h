@@ -1,9 +1,11 @@
 // Reconstruction along one axis of a lattice: weights of the samples next to a coordinate.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sansmesh::inline v1::detail {
@@ -13,7 +15,7 @@ inline constexpr std::size_t kMostAxisWeights = 8;
 /// f(x) = Σ_j value[j] f_{first + j}, f'(x) = Σ_j slope[j] f_{first + j}, j < count.
 struct AxisWeights {
   std::size_t first = 0, count = 0;
-  std::array<double, kMostAxisWeights> value{}, slope{};
+  std::array<double, kMostAxisWeights> value, slope;  // not set beyond count
 };
 
 /// Piecewise cubic in Hermite form: at knot i value Σ_j value[i][j] f_{b + j}, slope Σ_j slope[i][j] f_{b + j} with b =
@@ -36,15 +38,36 @@ class CubicAxis {
     return slope_[knot];
   }
   std::size_t size() const { return knots_.size(); }
+  /// Samples with weights anywhere from coordinate a to b: first and last.
+  std::pair<std::size_t, std::size_t> samples_of(double a, double b) const {
+    const Piece &from = pieces_[piece_at(a)], &to = pieces_[piece_at(b)];
+    return {from.first, std::min(to.first + kCount, knots_.size()) - 1};
+  }
+  /// Largest sum of the absolute weights from coordinate a to b.
+  double most_weight(double a, double b) const {
+    return a < knots_.front() || b > knots_.back() ? most_beyond_ : most_within_;
+  }
 
  private:
+  std::size_t piece_at(double x) const;
+  void find_most_weights();
   std::size_t base(std::size_t knot) const {
     return knots_.size() <= 3 || knot == 0 ? 0 : knot - 1 < knots_.size() - 3 ? knot - 1 : knots_.size() - 3;
   }
 
+  /// Weights in an interval as cubics of u = (x − knot) · inverse, 0..1.
+  struct Piece {
+    double knot = 0, inverse = 0;
+    std::size_t first = 0;
+    std::array<std::array<double, kCount>, 4> powers{};
+  };
+  Piece piece_of(std::size_t interval) const;
+
   std::vector<double> knots_;
   std::vector<std::array<double, 3>> value_, slope_;
+  std::vector<Piece> pieces_;
   double inverse_step_ = 0;  // > 0 on uniform axes
+  double most_within_ = 1, most_beyond_ = 1;
 };
 
 /// Windowed sinc, normalised: (1 + cos(πt/4)) sinc(t) for |t| < 4 steps, divided by the sum. Samples beyond the ends
