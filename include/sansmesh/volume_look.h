@@ -121,7 +121,7 @@ struct SANSMESH_API VolumePictureOptions {
   bool skip_empty = true;  ///< skips clear cells
   /// Estimated error of a pixel's mean light, in levels of 255, above which it gets more of its samples, 0..255. 0: all
   /// pixels have all.
-  double pixel_error = 1;
+  double pixel_error = 0.4;
 
   bool color_bar = false;        ///< adds a colour bar to the right; the picture becomes wider
   std::string color_title = {};  ///< quantity and unit, for the colour bar

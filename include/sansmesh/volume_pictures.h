@@ -26,7 +26,8 @@ struct SANSMESH_API VolumePicturesOptions {
   VolumePictureOptions look = {};  ///< look of the volume
   std::string opacity_by = {};     ///< array of the opacities; the volume's own array has the colours
   bool grid = false;               ///< also draws cell edges on the boundary of the volume
-  bool baked = false;              ///< quick: one ray per pixel, long steps, through a field baked into bricks
+  bool quick = false;              ///< one ray per pixel, steps of 1.5 spacings, up to a hundredth of the light
+  bool baked = false;              ///< as `quick`, through a field baked into bricks
   double bake_error = kBakeError;  ///< for `baked`: error as a share of the range above which bricks are split
   bool bar = true;                 ///< draws a colour bar
   std::string unit = {};           ///< unit of the array at the colour bar

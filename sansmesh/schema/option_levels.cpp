@@ -46,7 +46,8 @@ constexpr OptionsOfJob kFirst[] = {
      "output preview value array method closed carry components mesh-error triangles no-enhance cell unsteady frames "
      "times time-step fill-value dims type ascii"},
     {"volume render",
-     "output array method preset opacity-factor iso transfer clip opacity-by baked mesh points axes label unit no-bar "
+     "output array method preset opacity-factor iso transfer clip opacity-by quick baked mesh points axes label unit "
+     "no-bar "
      "title background frames time-step"},
     {"volume surface",
      "output points-output point-spacing value high-gradient array method color-by color-range sharp quick smoothing "

@@ -204,11 +204,47 @@ TEST(VolumePicture, ErrorOfTheStepsIsReportedAndFalls) {
   EXPECT_LT(differences(b, exact).first, differences(a, exact).first);
 }
 
+TEST(VolumePicture, StraightValuesTakeLongerStepsWithTheSameLight) {
+  const FormulaVolume field = linear_volume({0.3, 0.5, 0.2});  // samples are 1/32 apart
+  Progress progress;
+  const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
+  const VolumePicture picture({&field, nullptr, &boundary, {}}, progress);
+  VolumePictureOptions options = test::one_pixel(fog(0.5, 1));
+  options.shading = true;
+  const Camera camera = one_ray({0.02, 0.03, 2}, {0, 0, -1});
+  VolumePictureReport usual, fine;
+  const auto light = picture.light(camera, options, progress, &usual).at(0, 0);
+  options.step = 0.05;
+  const auto exact = picture.light(camera, options, progress, &fine).at(0, 0);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(light[k], exact[k], 1e-4f);
+  EXPECT_LT(light[3], 0.9f);
+  // 33 samples without longer steps, 17 if all were twice as long.
+  EXPECT_GE(usual.evaluations, 17u);
+  EXPECT_LT(usual.evaluations, 25u);
+}
+
+TEST(VolumePicture, FewerRaysThanNinePerPixelThatDiffersGiveTheSamePicture) {
+  const FormulaVolume field = blobs(false);
+  VolumePictureOptions options = blob_picture(96);
+  options.picture.quality.samples = 5;
+  options.pixel_error = 0;
+  const VolumeSubject subject{&field, nullptr, nullptr, {}};
+  const Image dense = picture_of(subject, options);
+  Progress progress;
+  VolumePictureReport report;
+  options.picture.quality.samples = 3;
+  options.pixel_error = VolumePictureOptions{}.pixel_error;
+  const Image image = render_volume(subject, options, progress, &report);
+  EXPECT_LT(differences(image, dense).first, 0.3);
+  EXPECT_LT(differences(image, dense).second, 16);
+  EXPECT_LT(report.rays, 96u * 96u);
+}
+
 TEST(VolumePicture, SameForAnyThreads) {
   const FormulaVolume field = blobs(false);
   const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
   VolumePictureOptions options = blob_picture(72);
-  options.picture.quality.samples = 2;
+  options.picture.quality.samples = 3;
   options.clips = {volume_cut_of("x>0.62")};
   test::expect_equal_for_any_threads([&] { return picture_of({&field, nullptr, &boundary, {}}, options).pixels; });
 }

@@ -388,5 +388,41 @@ TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
   EXPECT_TRUE(report.options.radius.has_value());
 }
 
+TEST(LatticeField, RangesOfCubicsContainAllValues) {
+  Progress progress;
+  const auto rough = [](const Vec3& x) { return std::sin(37 * x.x + 5 * x.y) + std::cos(23 * x.y * x.z) + 100; };
+  for (const GridData& data : {lattice_grid({6, 9, 7}, rough), stretched_grid({7, 6, 5}, rough)})
+    for (const Association a : {Association::points, Association::cells}) {
+      const auto volume = volume_of(data, a);
+      for (const double b : {0.0, 1.0 / 3, 1.0}) {
+        VolumeReconstructionOptions options;
+        options.method = "cubic", options.b = b, options.c = 0.5 * (1 - b);
+        const auto field = reconstruct_volume(volume, "f", options, progress);
+        const Box3 whole = field->bounds();
+        const Vec3 size = whole.size();
+        for (int part = 1; part < 6; ++part)
+          for (int k = 0; k < 8; ++k) {
+            const Vec3 edge = size * (1.0 / part), at{k % 2 * 1.0, k / 2 % 2 * 1.0, k / 4 * 1.0};
+            Box3 box;
+            box.lower =
+                whole.lower + Vec3{at.x * (size.x - edge.x), at.y * (size.y - edge.y), at.z * (size.z - edge.z)};
+            box.upper = box.lower + edge;
+            ValueRange range;
+            field->ranges({&box, 1}, {&range, 1});
+            std::vector<Vec3> x;
+            for (int p = 0; p < 1000; ++p)
+              x.push_back(box.lower + Vec3{p % 10 / 9.0 * edge.x, p / 10 % 10 / 9.0 * edge.y, p / 100 / 9.0 * edge.z});
+            std::vector<double> values(x.size());
+            field->evaluate(x, {values, {}, {}});
+            const auto [least, most] = std::minmax_element(values.begin(), values.end());
+            EXPECT_LE(range.least, *least + 1e-9);
+            EXPECT_GE(range.most, *most - 1e-9);
+            // The samples' range is 4, and the largest sum of absolute weights below 2.6³.
+            EXPECT_LT(range.most - range.least, 4 * 18);
+          }
+      }
+    }
+}
+
 }  // namespace
 }  // namespace sansmesh::test

@@ -92,6 +92,7 @@ Command add_volume_render(CommandLine& volume) {
       .group("Picture");
   add_background_option(c, a.picture);
   add_schema(c, a.options, {.group = "Picture", .only = {"frames"}});
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"antialiasing"}});
   add_picture_options(c, a.picture);
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"

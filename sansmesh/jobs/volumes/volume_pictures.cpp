@@ -64,6 +64,7 @@ const OptionSchema& VolumePicturesOptions::schema() {
       option_group<&O::look>(VolumePictureOptions::schema().rows),
       option<&O::grid>({.text = "Draw cell edges on the boundary of the volume; with an opacity of 0 only "
                                 "these"}),
+      option<&O::quick>({.text = "Quick: one ray per pixel, longer steps"}),
       option<&O::baked>(
           {.text = "Quick: render the field baked into bricks, and report the error", .old_name = "interactive"}),
       option<&O::bake_error>({.text = "For `baked`: error above which bricks are split, share of the range",
@@ -93,7 +94,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar, look.picture.view.steady = options.frames.has_value();
   s.frames = options.frames;
-  if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
+  if (options.baked || options.quick) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
   if (!options.opacity_by.empty())

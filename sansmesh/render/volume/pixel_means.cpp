@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace sansmesh::inline v1 {
@@ -13,6 +14,9 @@ using Light = std::array<float, 4>;
 constexpr std::size_t kMostAtOnce = 4096;  // rays of one call
 constexpr float kSmooth = 2;               // levels by which the means of 2 × 2 undivided pixels differ at most
 constexpr float kFlatEnough = 24;          // levels by which their corners differ at most
+constexpr float kNoJump = 8, kJump = 24;   // levels between corners and centre where the light is smooth, and jumps
+constexpr float kSharp = 48;               // levels above which the smallest cells are divided once more
+constexpr float kAtEdges = 0.45f;          // share of the centre at jumps
 constexpr float kSurprise = 6;             // levels of an error at a pixel's centre that divides the cells around
 
 Light sum_of(const Light& a, float wa, const Light& b, float wb) {
@@ -35,8 +39,9 @@ class TileRays {
   TileRays(const PixelTile& tile, int unit, const TracePoints& trace)
       : tile_(tile), unit_(unit), trace_(trace), columns_(2 * cells(tile.right - tile.left) * unit + 1) {
     const auto rows = static_cast<std::size_t>(2 * cells(tile.bottom - tile.top) * unit + 1);
-    lights_.resize(static_cast<std::size_t>(columns_) * rows);
-    states_.assign(lights_.size(), kNew);
+    // Most are never set.
+    lights_ = std::make_unique_for_overwrite<Light[]>(static_cast<std::size_t>(columns_) * rows);
+    states_.assign(static_cast<std::size_t>(columns_) * rows, kNew);
   }
   /// Number of pairs that contain n pixels.
   static int cells(int n) { return (n + 1) / 2; }
@@ -81,7 +86,7 @@ class TileRays {
   int unit_;
   const TracePoints& trace_;
   int columns_;
-  std::vector<Light> lights_;
+  std::unique_ptr<Light[]> lights_;
   std::vector<std::uint8_t> states_;
   std::vector<std::size_t> wanted_;
   std::vector<std::array<float, 2>> points_;
@@ -96,12 +101,11 @@ struct PictureCell {
 
 class TileMeans {
  public:
-  TileMeans(const PixelTile& tile, const PixelMeanOptions& options, const TracePoints& trace,
-            PixelMap<Light>& map)
+  TileMeans(const PixelTile& tile, const PixelMeanOptions& options, const TracePoints& trace, PixelMap<Light>& map)
       : tile_(tile),
         options_(options),
         divisions_(divisions_of(options.samples)),
-        unit_(2 << divisions_),
+        unit_(4 << divisions_),
         across_(TileRays::cells(tile.right - tile.left)),
         down_(TileRays::cells(tile.bottom - tile.top)),
         rays_(tile, unit_, trace),
@@ -115,11 +119,12 @@ class TileMeans {
       rays_.trace_wanted();
       std::vector<PictureCell> next;
       for (const PictureCell& cell : now) {
-        const bool rough = differs(cell, 3 * static_cast<float>(options_.error) * static_cast<float>(1 << level));
-        if (rough && level < divisions_)
+        const float tolerated = 3 * static_cast<float>(options_.error) * static_cast<float>(1 << level);
+        if ((level < divisions_ && differs(cell, tolerated)) ||
+            (level == divisions_ && seen_difference(corners(cell), middle(cell)) > kSharp))
           add_quarters(cell, next);
         else
-          add_mean(cell, rough);
+          add_mean(cell);
       }
       now.swap(next);
     }
@@ -155,14 +160,16 @@ class TileMeans {
     return {n % across_ * size, n / across_ * size, size};
   }
 
-  /// Adds a cell's mean to its pixel. Smooth cells: exact for quadratic polynomials. Rough ones: all rays of a regular
-  /// lattice count the same.
-  void add_mean(const PictureCell& c, bool rough) {
+  /// Adds a cell's mean to its pixel: exact for quadratic polynomials where the light is smooth, with the shares that
+  /// suit straight edges best where it jumps.
+  void add_mean(const PictureCell& c) {
     const int x = tile_.left + c.x / unit_, y = tile_.top + c.y / unit_;
     if (x >= tile_.right || y >= tile_.bottom) return;
     const float area = static_cast<float>(c.size * c.size) / static_cast<float>(unit_ * unit_);
-    const float inner = rough ? 0.5f : 2.0f / 3;
-    const Light mean = sum_of(middle(c), inner, corners(c), 1 - inner);
+    const Light around = corners(c);
+    const float jump = std::clamp((seen_difference(around, middle(c)) - kNoJump) / (kJump - kNoJump), 0.0f, 1.0f);
+    const float inner = 2.0f / 3 + jump * (kAtEdges - 2.0f / 3);
+    const Light mean = sum_of(middle(c), inner, around, 1 - inner);
     Light& pixel = map_.at(x, y);
     pixel = c.size == unit_ ? mean : sum_of(pixel, 1, mean, area);
   }
@@ -173,8 +180,7 @@ class TileMeans {
     for (const int v : {0, 1})
       for (const int u : {0, 1}) {
         const int x = tile_.left + c.x / unit_ + u, y = tile_.top + c.y / unit_ + v;
-        if (x < tile_.right && y < tile_.bottom)
-          map_.at(x, y) = sum_of(corners(c, u, v, 0.75f), 1, bulge, 2.0f / 3);
+        if (x < tile_.right && y < tile_.bottom) map_.at(x, y) = sum_of(corners(c, u, v, 0.75f), 1, bulge, 2.0f / 3);
       }
   }
   /// Whether a pixel's centre differs from the interpolated light by more than kSurprise.

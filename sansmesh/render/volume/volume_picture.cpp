@@ -58,8 +58,8 @@ VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box)
 
 /// The colour of a ray on white, as displayed.
 Vec3f on_white(const TracedLight& l) {
-  return srgb_color(
-      Vec3f{std::min(1.0f, l.light.x + l.left), std::min(1.0f, l.light.y + l.left), std::min(1.0f, l.light.z + l.left)});
+  return srgb_color(Vec3f{std::min(1.0f, l.light.x + l.left), std::min(1.0f, l.light.y + l.left),
+                          std::min(1.0f, l.light.z + l.left)});
 }
 
 /// The background behind the volume as a picture.
@@ -255,7 +255,8 @@ class VolumePicture::Work {
     double sum = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
       const Vec3f a = on_white(before[i]), b = on_white(lights[i]);
-      const double d = 255 * static_cast<double>(std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}));
+      const double d =
+          255 * static_cast<double>(std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)}));
       sum += d, report.step_error_most = std::max(report.step_error_most, d);
     }
     report.step_error_mean = sum / static_cast<double>(lights.size());

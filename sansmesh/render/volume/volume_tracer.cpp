@@ -12,9 +12,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kBent = 0.25;  // share of the range: largest difference between a value and the prediction of a slope
-constexpr double kShortest = 0.05;  // least share of a step that is halved
-constexpr double kFair = 0.04;      // the same share for steps that were stretched
-constexpr double kStraight = 0.005;  // the same share below which the next step is longer
+constexpr double kShortest = 0.05;             // least share of a step that is halved
+constexpr double kFair = 0.04;                 // the same share for steps that were stretched
+constexpr double kStraight = 0.005;            // the same share below which the next step is longer
 constexpr double kLonger = 1.5, kLongest = 2;  // growth of steps, and their largest length in usual ones
 
 }  // namespace
@@ -163,15 +163,18 @@ double VolumeTracer::bend(const TracedSample& a, const TracedSample& b) const {
 }
 
 /// Whether a step is too long for the slopes at its ends: flat cells at walls hide layers much thinner than the
-/// spacing. Halving ends at a quarter of a pixel. Stretched steps must be smooth.
+/// spacing. Halving ends at a quarter of a pixel. Steps longer than usual must be smooth, and end at no surface.
 bool VolumeTracer::too_far(const TracedWalk& walk, const TracedSample& now) const {
   const TracedSample& before = walk.before;
   const double d = now.t - before.t;
   if (d < 0.5 * frame_.footprint(now.t)) return false;
+  const auto step = [&] { return step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t); };
   const double found = bend(before, now);
-  if (!(found > kFair)) return false;
-  const double step = step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t);
-  return found > kBent ? d >= kShortest * step : d > 1.01 * step;
+  if (found > kBent) return d >= kShortest * step();
+  bool doubtful = found > kFair || before.inside != now.inside;
+  for (const IsoSurface& iso : options_.isos)
+    doubtful = doubtful || (before.value >= iso.value) != (now.value >= iso.value);
+  return doubtful && d > 1.01 * step();
 }
 
 /// Samples all active walks at their positions.
