@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/points/orientation/orientation.h"
+#include "sansmesh/points/remedies.h"
 
 namespace sansmesh::inline v1 {
 namespace {

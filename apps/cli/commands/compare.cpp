@@ -11,6 +11,7 @@
 #include "cli/line/commands.h"
 #include "cli/line/option_groups.h"
 #include "cli/line/schema_options.h"
+#include "sansmesh/convert.h"
 #include "sansmesh/io.h"
 
 namespace sansmesh::cli {

@@ -10,6 +10,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/handles/handle_shapes.h"
+#include "sansmesh/deform/maps/box_lattice.h"
 #include "sansmesh/deform/maps/folds.h"
 
 namespace sansmesh::inline v1 {
