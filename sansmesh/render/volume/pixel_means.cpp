@@ -15,7 +15,7 @@ constexpr std::size_t kMostAtOnce = 4096;  // rays of one call
 constexpr float kSmooth = 2;               // levels by which the means of 2 × 2 undivided pixels differ at most
 constexpr float kFlatEnough = 24;          // levels by which their corners differ at most
 constexpr float kNoJump = 8, kJump = 24;   // levels between corners and centre where the light is smooth, and jumps
-constexpr float kSharp = 48;               // levels above which the smallest cells are divided once more
+constexpr float kSharp = 48;               // levels above which the smallest cells are divided again
 constexpr float kAtEdges = 0.45f;          // share of the centre at jumps
 constexpr float kSurprise = 6;             // levels of an error at a pixel's centre that divides the cells around
 
@@ -245,7 +245,7 @@ class TileMeans {
   const PixelMeanOptions& options_;
   int divisions_, unit_, across_, down_;
   TileRays rays_;
-  std::vector<std::uint8_t> divided_;  // of the pairs
+  std::vector<std::uint8_t> divided_;  // one per pair of pixels in each direction
   PixelMap<Light>& map_;
 };
 
