@@ -29,8 +29,8 @@ class HeldValues {
 
   std::shared_ptr<const SampledVolume> volume_;
   ValueRange samples_;
-  double least_;                                  // of all values
-  std::shared_ptr<const VolumeLocator> locator_;  // of samples in cells that are no lattice
+  double least_;                                  // bound of all values
+  std::shared_ptr<const VolumeLocator> locator_;  // for samples in cells that are no lattice
   std::vector<std::uint8_t> outer_;               // per corner of their cells: on the surface
 };
 

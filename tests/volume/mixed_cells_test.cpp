@@ -118,10 +118,9 @@ TEST(LevelSets, OfLogarithmsFollowFronts) {
   front.width = 0.02 / kCells;
   GridData data = two_level_amr(kCells, zero);
   set_front_means(data, front);
-  std::vector<GridBlock>& blocks = data.blocks;
-  for (GridBlock& block : blocks) {
+  for (GridBlock& block : data.blocks) {
     std::vector<double> values = *block.cell_arrays.find<double>("f");
-    for (double& v : values) v = 1 + (kHot - 1) * std::clamp(v, 0.0, 1.0);
+    for (double& v : values) v = 1 + 2 * std::clamp(v, 0.0, 1.0);
     block.cell_arrays.set("f", std::move(values));
   }
   const auto volume = volume_of(data, Association::cells);
@@ -133,7 +132,7 @@ TEST(LevelSets, OfLogarithmsFollowFronts) {
   for (int i = 0; i < 400; ++i)
     x.push_back(front.center + normalized(Vec3{std::sin(i * 1.0), std::cos(i * 1.7), std::sin(i * 2.3 + 1)}) *
                                    (front.radius + (i % 21 - 10) * 0.004));
-  const double level = 0.3 * kHot;
+  const double level = 2;
   std::vector<double> plain(x.size()), even(x.size()), moved(x.size());
   std::vector<Vec3> slopes(x.size());
   field->evaluate(x, {plain});

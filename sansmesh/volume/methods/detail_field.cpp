@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/volume/cells/volume_locator.h"
@@ -96,7 +97,8 @@ static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput in
     std::optional<SmoothShare> smooth;
     const auto is_doubtful = [](float trust) { return SmoothShare::doubt_of(trust) > 0; };
     if (means && std::any_of(polynomials.trust.begin(), polynomials.trust.end(), is_doubtful))
-      smooth.emplace(input.volume, locator, input.values, input.logarithm, polynomials, input.progress);
+      smooth.emplace(input.volume, locator, input.values, input.logarithm, polynomials,
+                     std::vector<float>(fitted.radii.begin(), fitted.radii.end()), input.progress);
     return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values,
                               input.logarithm, std::move(fronts), std::move(smooth));
   }

@@ -5,7 +5,6 @@
 
 #include "sansmesh/volume/methods/amls_blend.h"
 #include "sansmesh/volume/methods/amls_system.h"
-#include "sansmesh/volume/methods/support_blend.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -17,7 +16,8 @@ constexpr float kLeastDoubt = 0.01f;  ///< less is none, to save time
 }  // namespace
 
 SmoothShare::SmoothShare(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-                         VolumeValues values, bool logarithm, const LocalPolynomials& polynomials, Progress& progress) {
+                         VolumeValues values, bool logarithm, const LocalPolynomials& polynomials,
+                         std::vector<float> radii, Progress& progress) {
   const std::size_t n = volume->size(), c = values.components;
   doubts_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -35,7 +35,6 @@ SmoothShare::SmoothShare(std::shared_ptr<const SampledVolume> volume, std::share
   how.ask_in_cells = false;
   std::vector<StarMetric> metrics(polynomials.metrics.begin(), polynomials.metrics.end());
   LocalPolynomials local = trusted(fit_local_polynomials(*volume, values, how, std::move(metrics), progress));
-  std::vector<float> radii = support_radii(*volume, local, 1);
   for (float& r : radii) r = std::max(r, static_cast<float>(AmlsShape::radius(kSmoothEpsilon)));
   const AmlsShape shape = AmlsShape::of_order(2);
   const AmlsMatrix matrix = amls_matrix(*volume, local, radii, shape);

@@ -19,9 +19,11 @@ namespace sansmesh::inline v1 {
 /// iterations: smooth, and near the means without interpolating them. Samples count with the doubt of their polynomial.
 class SmoothShare {
  public:
-  /// values: means, or their logarithms; those at the centres follow from the polynomials of means. Runs in parallel.
+  /// values: means, or their logarithms; those at the centres follow from the polynomials of means. radii:
+  /// supports of the polynomials, which the functions cover. Runs in parallel.
   SmoothShare(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-              VolumeValues values, bool logarithm, const LocalPolynomials& polynomials, Progress& progress);
+              VolumeValues values, bool logarithm, const LocalPolynomials& polynomials, std::vector<float> radii,
+              Progress& progress);
 
   const GroupedField& field() const { return *field_; }
   /// 1 − trust, but for a hundredth.

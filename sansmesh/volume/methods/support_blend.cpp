@@ -109,7 +109,7 @@ class SupportBlend final : public GroupedField, public LevelField {
     std::vector<float> coefficients;
     std::vector<double> flat;  // linear interpolation: components and the share, point by point
     std::vector<Vec3> slopes;
-    std::unique_ptr<Memory> part;  // of the smooth approximation
+    std::unique_ptr<Memory> part;  // buffers for the smooth approximation
     SupportTile all, limit;  // weights of all supports, where some are doubtful; bounds of the smooth approximation
     std::vector<double> smooth, least, most;
     std::vector<Vec3> smooth_slopes;
