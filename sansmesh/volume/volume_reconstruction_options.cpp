@@ -40,10 +40,9 @@ const OptionSchema& VolumeReconstructionOptions::schema() {
                              .negative_text = "Ellipsoidal supports that follow the spacing (amls)",
                              .needs = "method"}),
       option<&O::radius>({.text = radius, .range = {.least = 1, .most = 10}, .needs = "method"}),
-      option<&O::robust>(
-          {.text = "Robust weights that keep steps between materials sharp (mls-detail)",
-           .negative_text = "Weights by distance alone, which blur steps (mls-detail)",
-           .needs = "method"}),
+      option<&O::robust>({.text = "Robust weights that keep steps between materials sharp (mls-detail)",
+                          .negative_text = "Weights by distance alone, which blur steps (mls-detail)",
+                          .needs = "method"}),
       option<&O::interpolate>({.text = "Pass through the samples (mls, mls-detail)",
                                .from_data = "on",
                                .negative_text = "Take the values of polynomials as printed, which filter noise (mls, "

@@ -7,7 +7,7 @@
 
 #include "sansmesh/dataset/held_values.h"
 #include "sansmesh/dataset/resample_volume.h"
-#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/volumes/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/volumes.h"
 
