@@ -448,7 +448,8 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
 
 ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis,
                                 std::span<const BlockKey> roots, Progress& progress) {
-  ScaleChoice choice{basis, {}, {}};
+  ScaleChoice choice;
+  static_cast<ScaleBasis&>(choice) = basis;
   choice.finest = basis.tried;
   BlockFitter fitter = fitter_of(tree, options, choice);
   fitter.height = static_cast<float>(basis.height);

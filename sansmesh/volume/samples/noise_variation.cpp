@@ -87,11 +87,11 @@ std::vector<double> monotone(const std::vector<double>& of) {
 
 /// Partners of each residual in its pairs.
 std::vector<std::array<std::uint32_t, 2>> partners_of(std::size_t n, const std::vector<ResidualPair>& pairs) {
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::array<std::uint32_t, 2>> partners(n, {kNone, kNone});
+  constexpr std::uint32_t kUnpaired = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::array<std::uint32_t, 2>> partners(n, {kUnpaired, kUnpaired});
   for (const ResidualPair& p : pairs) {
     auto& of = partners[p.first];
-    (of[0] == kNone ? of[0] : of[1]) = p.second;
+    (of[0] == kUnpaired ? of[0] : of[1]) = p.second;
   }
   return partners;
 }
