@@ -46,9 +46,8 @@ constexpr OptionsOfJob kFirst[] = {
      "output preview value array method closed carry components mesh-error triangles no-enhance cell unsteady frames "
      "times time-step fill-value dims type ascii"},
     {"volume render",
-     "output array method preset opacity-factor iso transfer clip opacity-by quick baked mesh points axes label unit "
-     "no-bar "
-     "title background frames time-step"},
+     "output array method preset opacity-factor iso transfer clip opacity-by quick mesh points axes label unit "
+     "no-bar title background frames time-step"},
     {"volume surface",
      "output points-output point-spacing value high-gradient array method color-by color-range sharp quick smoothing "
      "least-gradient components mesh-error triangles background frames no-bar ascii"},

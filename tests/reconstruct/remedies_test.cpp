@@ -309,15 +309,18 @@ TEST(Remedies, NoSourceBypassesTheTable) {
   std::size_t sources = 0;
   const auto check = [&](const std::filesystem::path& file) {
     std::ifstream in(file);
+    EXPECT_TRUE(in) << file;
     ++sources;
     for (std::string line; std::getline(in, line);) EXPECT_FALSE(std::regex_search(line, own)) << file << ": " << line;
   };
   for (const char* room : {"points", "partition", "function", "meshing", "model", "advise"})
-    for (const auto& entry : std::filesystem::directory_iterator(test::source_file(std::string("sansmesh/") + room))) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(test::source_file(std::string("sansmesh/") + room))) {
       const std::string name = entry.path().filename().string();
       if (entry.is_regular_file() && name != "remedies.h" && name != "mesh_csg.cpp") check(entry.path());
     }
-  for (const char* job : {"curvature", "diagnose", "fit_function", "mesh_of_function", "project"})
+  for (const char* job : {"meshes/curvature", "surfaces/diagnose", "surfaces/fit_function",
+                          "surfaces/mesh_of_function", "surfaces/project"})
     check(test::source_file(std::string("sansmesh/jobs/") + job + ".cpp"));
   EXPECT_GT(sources, 100u);
 }

@@ -12,6 +12,9 @@ namespace {
 constexpr double kSmoothEpsilon = 1;  ///< ε of amls: functions reach over the star
 constexpr int kSmoothIterations = 2;
 constexpr float kLeastDoubt = 0.01f;  ///< less is none, to save time
+/// Most by which doubtful polynomials move the logarithm at the centre of a cell: means of exponentials of steep slopes
+/// say little about it.
+constexpr double kMostMoved = 0.1;
 
 }  // namespace
 
@@ -22,11 +25,11 @@ SmoothShare::SmoothShare(std::shared_ptr<const SampledVolume> volume, std::share
   doubts_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     doubts_[i] = doubt_of(polynomials.trust[i]);
-    // Means of exponentials of doubtful slopes say nothing about the logarithm at the centre.
-    const double share = logarithm ? static_cast<double>(1 - doubts_[i]) : 1;
+    const double limited = logarithm ? static_cast<double>(doubts_[i]) : 0;
     for (std::size_t m = 0; m < c; ++m) {
       double& value = values.values[i * c + m];
-      value += share * (polynomials.constants[i * c + m] - value);
+      const double move = polynomials.constants[i * c + m] - value;
+      value += (1 - limited) * move + limited * std::clamp(move, -kMostMoved, kMostMoved);
     }
   }
   LocalPolynomialOptions how;
