@@ -5,7 +5,7 @@
 //     --size N         pixels of a side [512]
 //     --samples N      rays per pixel in each direction [3]
 //     --step X         length of a step in spacings [1]
-//     --pixel-error X  error in levels of 255 at which a pixel has enough rays [1]; 0: all pixels have all rays
+//     --pixel-error X  error in levels of 255 at which a pixel has enough rays [0.4]; 0: all pixels have all rays
 //     --save FOLDER    keeps the pictures there, as rows of floats
 //     --against FOLDER prints the errors against pictures kept there, in levels of 255
 //     --azimuth X      direction of the view, degrees [35]

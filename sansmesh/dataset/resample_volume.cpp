@@ -103,7 +103,7 @@ void ResampleOptions::validate() const {
 }
 
 GridBlock resample_volume(const VolumeField& field, const std::string& name, const ResampleOptions& options,
-                          Progress& progress, const HeldValues* held) {
+                          Progress& progress) {
   options.validate();
   const Box3 box = options.box.value_or(field.bounds());
   const Vec3 extent = box.size();
@@ -145,7 +145,6 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
     const std::size_t count = x.size();
     v.resize(count * c), g.resize(options.gradients ? count * c : 0), in.resize(count);
     field.evaluate(x, {v, g, in});
-    if (held) held->hold(x, v);
     for (std::size_t i = 0; i < v.size(); ++i)
       if (in[i / c] != 0) largest = std::max(largest, std::abs(v[i]));
     for (std::size_t i = 0; i < g.size(); ++i)

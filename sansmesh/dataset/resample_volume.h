@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "sansmesh/dataset/held_values.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/volume_field.h"
@@ -12,8 +11,8 @@
 namespace sansmesh::inline v1 {
 
 /// Points include both ends of the box. Arrays: `name` (float) and `inside` (uint8: 1 in the volume). Evaluates in
-/// batches, with progress; changes values by `held`, if any. Throws DataError if values exceed the range of floats.
+/// batches, with progress. Throws DataError if values exceed the range of floats.
 GridBlock resample_volume(const VolumeField& field, const std::string& name, const ResampleOptions& options,
-                          Progress& progress, const HeldValues* held = nullptr);
+                          Progress& progress);
 
 }  // namespace sansmesh::inline v1

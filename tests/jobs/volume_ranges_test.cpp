@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -56,55 +55,6 @@ TEST(VolumeRanges, OfCarriedArraysAreWithinTheData) {
       ASSERT_GE(height->number(i), array.least[0] - 1e-6);
       ASSERT_LE(height->number(i), array.most[0] + 1e-6);
     }
-  }
-}
-
-TEST(VolumeRanges, OfResampledValuesThatExtrapolateAreWithinTheData) {
-  Progress progress;
-  const VolumeModel volume = rising();
-  const DatasetArray& array = volume.array();
-  const double range = array.most[0] - array.least[0];
-  ResampleOptions options;
-  options.size = {60};
-  const ResampleResult made = resample(volume, options, progress);
-  const std::vector<float>& values = *made.block.point_arrays.find<float>("f");
-  const std::vector<std::uint8_t>& inside = *made.block.point_arrays.find<std::uint8_t>("inside");
-  const std::vector<double>& x = made.block.axes[0];
-  double most = 0, at_surface = 0;
-  std::size_t surface = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (inside[i] == 0) continue;
-    most = std::max(most, static_cast<double>(values[i]));
-    ASSERT_GE(static_cast<double>(values[i]), array.least[0] * (1 - 1e-6));
-    if (x[i % x.size()] < x.back() * (1 - 1e-9)) continue;
-    at_surface = std::max(at_surface, static_cast<double>(values[i])), ++surface;
-  }
-  // The function reaches a fifth of the range more at the surface; half-way to it a part remains.
-  EXPECT_LE(most, array.most[0] + 0.08 * range);
-  EXPECT_GT(most, array.most[0] - 0.05 * range);
-  EXPECT_LE(at_surface, array.most[0] + 0.02 * range) << surface;
-}
-
-TEST(VolumeRanges, OfResampledPositiveDecadesArePositive) {
-  Progress progress;
-  const auto front = [](const Vec3& x) { return x.x > 0.45 ? 1 : 1e-6; };
-  for (const bool in_cells : {false, true}) {
-    GridData data = lattice_grid({12, 6, 6}, front);
-    (in_cells ? data.blocks[0].point_arrays : data.blocks[0].cell_arrays) = {};
-    VolumeModelOptions how;
-    how.array = "f";
-    how.reconstruction.method = "cubic", how.reconstruction.logarithm = false;
-    const VolumeModel volume(std::move(data), "made", how);
-    std::vector<Vec3> x;
-    for (int i = 0; i < 200; ++i) x.push_back({0.2 + 0.003 * i, 0.51, 0.49});
-    std::vector<double> own(x.size());
-    std::vector<Note> notes;
-    volume.field(progress, notes)->query({.points = x}, {.values = own});
-    EXPECT_LT(*std::min_element(own.begin(), own.end()), -0.01);
-    ResampleOptions options;
-    options.size = {70};
-    const ResampleResult made = resample(volume, options, progress);
-    for (const float v : *made.block.point_arrays.find<float>("f")) ASSERT_GE(v, 0.999e-6f);
   }
 }
 

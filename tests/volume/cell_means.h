@@ -69,7 +69,7 @@ struct SphereFront {
   double operator()(const Vec3& x) const { return 0.5 * (1 - std::tanh(distance(x) / width)); }
 };
 
-/// Sets means of a front, with at most three widths of it to a part of a cell.
+/// Sets means of a front, with at most three of its widths along each edge of a part.
 inline void set_front_means(GridData& data, const SphereFront& front) {
   set_means(data, front, [&](const Vec3& x, double size) {
     if (std::abs(front.distance(x)) > 0.5 * size + 4 * front.width) return 1;

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 
-#include "sansmesh/dataset/held_values.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/jobs/volumes/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
@@ -17,12 +15,8 @@ ResampleResult resample(const VolumeModel& volume, const ResampleOptions& option
   options.validate();
   ResampleResult result;
   const auto field = volume.field(progress, result.notes);
-  const std::optional<ValueRange> range = field->components() == 1 ? range_of_samples(volume, progress) : std::nullopt;
-  std::optional<HeldValues> held;
-  if (range) held.emplace(volume.samples(progress), *range);
-  result.block = with_name(volume.name(), [&] {
-    return resample_volume(*field, volume.array_name(), options, progress, held ? &*held : nullptr);
-  });
+  result.block =
+      with_name(volume.name(), [&] { return resample_volume(*field, volume.array_name(), options, progress); });
   const AttributeTable& arrays = result.block.point_arrays;
   const auto& inside = *arrays[arrays.size() - 1].as<std::uint8_t>();
   for (std::size_t k = 0; k < 3; ++k) result.report.size[k] = result.block.axes[k].size();

@@ -1,5 +1,7 @@
 #include "sansmesh/volume_pictures.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -80,6 +82,10 @@ const OptionSchema& VolumePicturesOptions::schema() {
 void VolumePicturesOptions::validate() const {
   validate_options(*this);
   look.validate();
+  if (const int samples = look.picture.quality.samples;
+      (quick || baked) && samples != RenderOptions().quality.samples && samples != 1)
+    throw ArgumentError(
+        fmt::format("`antialiasing` excludes `{}`, which has one ray per pixel", quick ? "quick" : "baked"));
   if (!bar && (!look.color_title.empty() || !unit.empty()))
     throw ArgumentError("`label` and `unit` are for the colour bar: not with `bar = false`");
 }

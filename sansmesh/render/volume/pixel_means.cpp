@@ -18,6 +18,7 @@ constexpr float kNoJump = 8, kJump = 24;   // levels between corners and centre 
 constexpr float kSharp = 48;               // levels above which the smallest cells are divided again
 constexpr float kAtEdges = 0.45f;          // share of the centre at jumps
 constexpr float kSurprise = 6;             // levels of an error at a pixel's centre that divides the cells around
+constexpr float kStraightEdge = 6;  // levels by which edges of 2 × 2 undivided pixels are off the middle at most
 
 Light sum_of(const Light& a, float wa, const Light& b, float wb) {
   Light sum;
@@ -137,6 +138,11 @@ class TileMeans {
       for (const int u : {0, c.size}) rays_.want(c.x + u, c.y + v);
     rays_.want(c.x + c.size / 2, c.y + c.size / 2);
   }
+  /// Middles of the edges: with them the first rays are a pixel apart, so that details of this size are not missed.
+  void want_edges(const PictureCell& c) {
+    const int half = c.size / 2;
+    for (const int end : {0, c.size}) rays_.want(c.x + half, c.y + end), rays_.want(c.x + end, c.y + half);
+  }
   const Light& middle(const PictureCell& c) const { return rays_.at(c.x + c.size / 2, c.y + c.size / 2); }
   /// Mean of the corners, the one in direction (right, down) with the share (near)².
   Light corners(const PictureCell& c, int right, int down, float near) const {
@@ -210,12 +216,17 @@ class TileMeans {
     for (const int v : {0, c.size})
       for (const int u : {0, c.size})
         if (seen_difference(rays_.at(c.x + u, c.y + v), middle(c)) > kFlatEnough) return true;
-    return false;
+    const auto bent = [&](int u0, int v0, int u1, int v1) {
+      const Light mean = sum_of(rays_.at(c.x + u0, c.y + v0), 0.5f, rays_.at(c.x + u1, c.y + v1), 0.5f);
+      return seen_difference(mean, rays_.at(c.x + (u0 + u1) / 2, c.y + (v0 + v1) / 2)) > kStraightEdge;
+    };
+    const int n = c.size;
+    return bent(0, 0, n, 0) || bent(0, n, n, n) || bent(0, 0, 0, n) || bent(n, 0, n, n);
   }
 
   /// Traces the first rays, interpolates smooth pairs of pixels, and returns the pixels of the others.
   std::vector<PictureCell> divide_pairs() {
-    for (std::size_t k = 0; k < divided_.size(); ++k) want(pair(k));
+    for (std::size_t k = 0; k < divided_.size(); ++k) want(pair(k)), want_edges(pair(k));
     rays_.trace_wanted();
     std::vector<std::size_t> now, next;
     for (std::size_t k = 0; k < divided_.size(); ++k)

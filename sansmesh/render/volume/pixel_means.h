@@ -23,14 +23,14 @@ struct PixelMeanOptions {
   /// Where the picture is not smooth pixels have at least 0.8 samples² rays; 1: only their centres.
   int samples = 3;
   /// Estimated error of a pixel's mean in levels of 255 above which it is divided; 0: all are divided.
-  double error = 1;
+  double error = 0.4;
 };
 
 /// Writes the mean light and the transmitted share of the light from behind for each pixel of a tile. A cell has rays
-/// at its corners and at its centre, and so two estimates of its mean, whose difference is three times the error of the
-/// better one. Cells of 2 × 2 pixels are divided into pixels, and these into parts, where the difference is too large,
-/// and 2 × 2 pixels also where a neighbour shows details that were missed by its own first rays. Results depend only on
-/// the tile. Returns the number of rays.
+/// at its corners and at its centre, one of 2 × 2 pixels also at the middles of its edges, and so two estimates of its
+/// mean, whose difference is three times the error of the better one. Cells of 2 × 2 pixels are divided into pixels,
+/// and these into parts, where the difference is too large, and 2 × 2 pixels also where a neighbour shows details that
+/// were missed by its own first rays. Results depend only on the tile. Returns the number of rays.
 std::size_t pixel_means(const PixelTile& tile, const PixelMeanOptions& options, const TracePoints& trace,
                         PixelMap<std::array<float, 4>>& map);
 

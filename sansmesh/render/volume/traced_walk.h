@@ -41,7 +41,6 @@ struct TracedWalk {
   bool within = false, begun = false, started = false;  // in a interval; at its begin; `before` is valid
   double t = 0;
   double retry = 0;    // a position before t that must be sampled first; 0: none
-  double stretch = 1;  // factor of the next step
   int face_tries = 0;  // consecutive retries for the face of a gap
   TracedSample before;
   std::optional<RayInterval> rest;    // part of a interval behind a surface in it

@@ -12,10 +12,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kBent = 0.25;  // share of the range: largest difference between a value and the prediction of a slope
-constexpr double kShortest = 0.05;             // least share of a step that is halved
-constexpr double kFair = 0.04;                 // the same share for steps that were stretched
-constexpr double kStraight = 0.005;            // the same share below which the next step is longer
-constexpr double kLonger = 1.5, kLongest = 2;  // growth of steps, and their largest length in usual ones
+constexpr double kShortest = 0.05;  // least share of a step that is halved
 
 }  // namespace
 
@@ -107,7 +104,6 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
       if (!next_interval(walk, scratch)) return false;
       walk.within = walk.begun = true;
       walk.started = false;
-      walk.stretch = 1;
       walk.t = walk.now.begin;
       if (walk.now.begins_at_cut && options_.clip_faces) return true;
     }
@@ -119,7 +115,7 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
         walk.t = walk.retry, walk.retry = 0;
         return true;
       }
-      double step = walk.stretch * step_at(cell, at);
+      double step = step_at(cell, at);
       // A long step must not skip details in the next cell.
       const double way = volume_.cells->exit(cell, frame_.world(walk, at), walk.direction * frame_.frame.size);
       if (way < step && at + way < walk.now.end) {
@@ -137,7 +133,6 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
       if (t < walk.now.end) cell = volume_.cells->cell(frame_.world(walk, t));
     }
     walk.started = walk.begun = false;
-    walk.stretch = 1;
     if (t >= walk.now.end) {
       walk.within = false;
       if (!walk.now.ends_at_cut || !options_.clip_faces) continue;
@@ -150,31 +145,21 @@ bool VolumeTracer::advance(TracedWalk& walk, const Scratch& scratch) const {
   }
 }
 
-/// Largest difference between a value and its prediction by the slope at the other end of a step, as a share of the
-/// range of the transfer function.
-double VolumeTracer::bend(const TracedSample& a, const TracedSample& b) const {
-  const double d = b.t - a.t;
-  const auto share = [d](double rise, double slope, double other, double range) {
-    const double most = std::max(std::abs(slope * d - rise), std::abs(other * d - rise));
-    return most == 0 ? 0 : most / range;
-  };
-  const double first = share(b.value - a.value, a.slope, b.slope, value_range_);
-  return separate_ ? std::max(first, share(b.other - a.other, a.other_slope, b.other_slope, other_range_)) : first;
-}
-
 /// Whether a step is too long for the slopes at its ends: flat cells at walls hide layers much thinner than the
-/// spacing. Halving ends at a quarter of a pixel. Steps longer than usual must be smooth, and end at no surface.
+/// spacing. Halving ends at a quarter of a pixel.
 bool VolumeTracer::too_far(const TracedWalk& walk, const TracedSample& now) const {
   const TracedSample& before = walk.before;
   const double d = now.t - before.t;
-  if (d < 0.5 * frame_.footprint(now.t)) return false;
-  const auto step = [&] { return step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t); };
-  const double found = bend(before, now);
-  if (found > kBent) return d >= kShortest * step();
-  bool doubtful = found > kFair || before.inside != now.inside;
-  for (const IsoSurface& iso : options_.isos)
-    doubtful = doubtful || (before.value >= iso.value) != (now.value >= iso.value);
-  return doubtful && d > 1.01 * step();
+  if (d < 0.5 * frame_.footprint(now.t) ||
+      d < kShortest * step_at(volume_.cells->cell(frame_.world(walk, before.t)), before.t))
+    return false;
+  const double rise = now.value - before.value;
+  const double bend = std::max(std::abs(before.slope * d - rise), std::abs(now.slope * d - rise));
+  if (bend > kBent * value_range_) return true;
+  if (!separate_) return false;
+  const double other = now.other - before.other;
+  return std::max(std::abs(before.other_slope * d - other), std::abs(now.other_slope * d - other)) >
+         kBent * other_range_;
 }
 
 /// Samples all active walks at their positions.
@@ -253,10 +238,7 @@ void VolumeTracer::take_step(TracedWalk& walk, TracedSample& now, std::span<IsoR
   if (walk.begun && walk.now.begins_at_cut && options_.clip_faces) light_.cut_face(walk, now);
   walk.begun = false;
   if (now.on_face) light_.gap_face(walk, now);
-  if (walk.started) {
-    walk.stretch = bend(walk.before, now) < kStraight ? std::min(kLonger * walk.stretch, kLongest) : 1;
-    light_.go_through(walk, walk.before, now, roots);
-  }
+  if (walk.started) light_.go_through(walk, walk.before, now, roots);
   if (walk.left <= options_.least_light) {
     walk.left = 0, walk.within = false;
     return;

@@ -59,7 +59,6 @@ class VolumeTracer {
   bool next_interval(TracedWalk& walk, const Scratch& scratch) const;
   bool advance(TracedWalk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const { return std::max(steps_[cell], 0.5 * frame_.footprint(t)); }
-  double bend(const TracedSample& a, const TracedSample& b) const;
   bool too_far(const TracedWalk& walk, const TracedSample& now) const;
   std::size_t evaluate(Scratch& scratch) const;
   void take_step(TracedWalk& walk, TracedSample& now, std::span<IsoRoot> roots) const;

@@ -112,7 +112,7 @@ class SupportBlend final : public GroupedField, public LevelField {
     std::unique_ptr<Memory> part;  // buffers for the smooth approximation
     SupportTile all, limit;  // weights of all supports, where some are doubtful; bounds of the smooth approximation
     std::vector<double> smooth, least, most;
-    std::vector<Vec3> smooth_slopes;
+    std::vector<Vec3> smooth_slopes, least_slopes, most_slopes;
   };
 
   std::unique_ptr<Memory> memory() const override {
@@ -154,7 +154,7 @@ class SupportBlend final : public GroupedField, public LevelField {
     lists.terms.resize(supports.size());
     for (std::size_t m = 0; m < c; ++m) {
       const double base = polynomials_.constants[own * c + m];
-      if (doubtful) limit_smooth(m, base, filled, lists);
+      if (doubtful) limit_smooth(m, base, filled, gradient, lists);
       lists.coefficients.resize(supports.size() * slots);
       for (std::size_t s = 0; s < supports.size(); ++s) {
         const std::size_t i = supports[s];
@@ -245,7 +245,7 @@ class SupportBlend final : public GroupedField, public LevelField {
   }
 
   // Means of the bounds of the doubtful polynomials, relative to the base.
-  void limit_smooth(std::size_t component, double base, std::size_t filled, Lists& lists) const {
+  void limit_smooth(std::size_t component, double base, std::size_t filled, bool gradient, Lists& lists) const {
     lists.terms.resize(lists.found.supports.size());
     for (const bool upper : {false, true}) {
       for (std::size_t s = 0; s < lists.terms.size(); ++s) {
@@ -257,12 +257,17 @@ class SupportBlend final : public GroupedField, public LevelField {
         term.scale = smooth_->doubt(i);
         term.constant = upper ? bounds.most : bounds.least;
       }
-      detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, false, lists.limit);
+      const SupportTile& sums = lists.limit;
+      detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, lists.limit);
       std::vector<double>& to = upper ? lists.most : lists.least;
-      to.resize(filled);
+      std::vector<Vec3>& slopes = upper ? lists.most_slopes : lists.least_slopes;
+      to.assign(filled, 0), slopes.assign(gradient ? filled : 0, {});
       for (std::size_t i = 0; i < filled; ++i) {
-        const float weight = lists.limit.weight[i];
-        to[i] = weight > kNoSupport ? static_cast<double>(lists.limit.value[i] / weight) : 0;
+        const float weight = sums.weight[i], bound = sums.value[i] / weight;
+        if (!(weight > kNoSupport)) continue;
+        to[i] = static_cast<double>(bound);
+        for (std::size_t k = 0; gradient && k < 3; ++k)
+          slopes[i][k] = static_cast<double>((sums.value_slope[k][i] - bound * sums.weight_slope[k][i]) / weight);
       }
     }
   }
@@ -281,7 +286,9 @@ class SupportBlend final : public GroupedField, public LevelField {
     const double value = lists.smooth[entry] - base;
     t.value = std::min(std::max(value, lists.least[point]), lists.most[point]);
     if (!gradient) return t;
-    if (t.value == value) t.slope = lists.smooth_slopes[entry];
+    t.slope = t.value < value   ? lists.most_slopes[point]
+              : t.value > value ? lists.least_slopes[point]
+                                : lists.smooth_slopes[entry];
     for (std::size_t k = 0; k < 3; ++k)
       t.doubt_slope[k] =
           static_cast<double>((lists.all.value_slope[k][point] - doubt * lists.all.weight_slope[k][point]) / divisor);
