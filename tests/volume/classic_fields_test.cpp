@@ -402,7 +402,7 @@ TEST(LatticeField, RangesOfCubicsContainAllValues) {
         const Vec3 size = whole.size();
         for (int part = 1; part < 6; ++part)
           for (int k = 0; k < 8; ++k) {
-            const Vec3 edge = size * (1.0 / part), at{k % 2 * 1.0, k / 2 % 2 * 1.0, k / 4 * 1.0};
+            const Vec3 edge = size * (1.0 / part), at{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)};
             Box3 box;
             box.lower =
                 whole.lower + Vec3{at.x * (size.x - edge.x), at.y * (size.y - edge.y), at.z * (size.z - edge.z)};
@@ -410,8 +410,10 @@ TEST(LatticeField, RangesOfCubicsContainAllValues) {
             ValueRange range;
             field->ranges({&box, 1}, {&range, 1});
             std::vector<Vec3> x;
-            for (int p = 0; p < 1000; ++p)
-              x.push_back(box.lower + Vec3{p % 10 / 9.0 * edge.x, p / 10 % 10 / 9.0 * edge.y, p / 100 / 9.0 * edge.z});
+            for (int p = 0; p < 1000; ++p) {
+              const int tens = p / 10, hundreds = p / 100;
+              x.push_back(box.lower + Vec3{p % 10 / 9.0 * edge.x, tens % 10 / 9.0 * edge.y, hundreds / 9.0 * edge.z});
+            }
             std::vector<double> values(x.size());
             field->evaluate(x, {values, {}, {}});
             const auto [least, most] = std::minmax_element(values.begin(), values.end());
