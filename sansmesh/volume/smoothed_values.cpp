@@ -169,7 +169,7 @@ SmoothedValues smoothed_values(const SampledVolume& volume, VolumeValues values,
   result.too_many = !factor && noise.found && !smoothed_unasked(volume.size());
   result.smoothing = factor.value_or(noise.found && !result.too_many ? 1 : 0);
   if (result.smoothing == 0 && !result.too_many) return result;
-  result.noise = *std::max_element(noise.typical.begin(), noise.typical.end());
+  result.noise = noise.deviation();
   if (result.too_many) return result;
   if (const SingleLayer layer(volume, result.values); layer.volume()) {
     const SmoothedValues smooth = smoothed_values(*layer.volume(), layer.values(), result.smoothing, progress, &noise);

@@ -23,7 +23,7 @@ struct SmoothedValues {
   VolumeValues values;
   std::vector<float> deviations;  ///< remaining deviation of each number (unit of the array); empty if unchanged
   double smoothing = 0;           ///< factor of the noise; 0: the values are unchanged to the bit
-  double noise = 0;               ///< deviation of the noise (of the component with most); 0 if none was found
+  double noise = 0;               ///< SampleNoise::deviation(); 0 if none was found
   const char* kind = "";          ///< kind of the noise, if it was found: SampleNoise::kind()
   bool found = false;             ///< noise was found, so `noise` is not only a bound
   bool too_many = false;          ///< noise was found in more samples than are smoothed unasked

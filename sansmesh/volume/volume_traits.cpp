@@ -154,7 +154,7 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
   if (noise.found) {
     t.noisy = true, t.kind = noise.kind();
-    t.noise = *std::max_element(noise.typical.begin(), noise.typical.end()) / t.range;
+    t.noise = noise.deviation() / t.range;
   }
   std::size_t stepped = 0;
   for (const Prediction& p : predictions)

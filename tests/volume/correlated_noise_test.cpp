@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/volume/smoothed_values.h"
@@ -17,6 +18,13 @@ namespace sansmesh::test {
 namespace {
 
 using Counts = std::array<std::size_t, 3>;
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Place of a sample in a cube of n³, in samples.
+Vec3 lattice_place(std::size_t i, std::size_t n) {
+  return {static_cast<double>(i % n), static_cast<double>(i / n % n), static_cast<double>(i / (n * n))};
+}
 
 /// White noise of a periodic lattice, blurred by Gaussians with these deviations (samples) along the axes, of mean 0
 /// and deviation 1.
@@ -68,6 +76,87 @@ bool is_curved(const Vec3& x) { return x.z > 0.6; }
 
 double step(const Vec3& x) { return 0.8 * x.x + 0.6 * x.y + 0.1 * std::sin(6 * x.z) < 0.63 ? 1.0 : 0.0; }
 
+/// Waves of random directions with lengths (samples) from `least` to `most`.
+std::vector<double> random_waves(std::size_t n, double least, double most, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0, 1);
+  std::vector<double> f(n * n * n, 0.0);
+  for (int wave = 0; wave < 24; ++wave) {
+    Vec3 way{normal(random), normal(random), normal(random)};
+    const double length = least * std::pow(most / least, share(random)), phase = 2 * kPi * share(random);
+    way = way * (2 * kPi / length / norm(way));
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] += std::sin(dot(way, lattice_place(i, n)) + phase);
+  }
+  return f;
+}
+
+/// Means over cubes of 3 samples of random numbers, each around the nearest of random points some `width` apart.
+std::vector<double> random_grains(std::size_t n, double width, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0, 1);
+  const auto side = static_cast<std::ptrdiff_t>(std::ceil(static_cast<double>(n) / width)) + 2;
+  std::vector<Vec3> points;
+  std::vector<double> grains;
+  for (std::ptrdiff_t c = 0; c < side * side * side; ++c) {
+    const Vec3 cell{static_cast<double>(c % side), static_cast<double>(c / side % side),
+                    static_cast<double>(c / (side * side))};
+    points.push_back((cell + Vec3{share(random), share(random), share(random)} - Vec3{1, 1, 1}) * width);
+    grains.push_back(normal(random));
+  }
+  std::vector<double> f(n * n * n);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    const Vec3 x = lattice_place(i, n);
+    double nearest = 1e9;
+    for (int o = 0; o < 27; ++o) {
+      std::ptrdiff_t cell = 0;
+      for (std::size_t k = 3, rest = 9; k-- > 0; rest /= 3) {
+        const auto at = static_cast<std::ptrdiff_t>(x[k] / width) + 1 +
+                        static_cast<std::ptrdiff_t>(o / static_cast<int>(rest) % 3) - 1;
+        cell = cell * side + std::clamp<std::ptrdiff_t>(at, 0, side - 1);
+      }
+      if (const double d = norm(x - points[static_cast<std::size_t>(cell)]); d < nearest)
+        nearest = d, f[i] = grains[static_cast<std::size_t>(cell)];
+    }
+  }
+  std::size_t step = 1;
+  for (std::size_t k = 0; k < 3; ++k, step *= n) {
+    std::vector<double> mean = f;
+    for (std::size_t i = 0; i < f.size(); ++i)
+      if (const std::size_t at = i / step % n; at > 0 && at + 1 < n) mean[i] = (f[i - step] + f[i] + f[i + step]) / 3;
+    f = std::move(mean);
+  }
+  return f;
+}
+
+/// Sum of smooth interpolations of random numbers on lattices of halved widths, as procedural textures are made.
+std::vector<double> value_noise(std::size_t n, double width, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> f(n * n * n, 0.0);
+  for (; width >= 2; width /= 2) {
+    const auto side = static_cast<std::size_t>(static_cast<double>(n) / width) + 2;
+    std::vector<double> numbers(side * side * side);
+    for (double& v : numbers) v = normal(random);
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const Vec3 x = lattice_place(i, n) * (1 / width);
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        std::size_t at = 0;
+        for (std::size_t k = 3; k-- > 0;) {
+          const double t = x[k] - std::floor(x[k]), smooth = t * t * (3 - 2 * t);
+          const std::size_t upper = corner >> k & 1;
+          weight *= upper == 1 ? smooth : 1 - smooth;
+          at = at * side + static_cast<std::size_t>(x[k]) + upper;
+        }
+        f[i] += weight * numbers[at];
+      }
+    }
+  }
+  return f;
+}
+
 SmoothedValues smooth_by_noise(const SampledVolume& volume, const VolumeValues& values,
                                std::optional<double> factor = {}) {
   Progress progress;
@@ -91,20 +180,18 @@ double rms_where(const SampledVolume& volume, const std::vector<double>& values,
 }
 
 TEST(CorrelatedNoise, FlatPartsLoseHalfOfItAndMoreAndStepsStay) {
-  const Counts n{44, 42, 46};
-  for (const double blur : {0.7, 0.9, 1.2}) {
+  const Counts n{38, 36, 40};
+  const auto volume = volume_of(lattice_grid(n, body));
+  for (const auto& [blur, sigma] : {std::pair{0.7, 0.05}, {0.9, 0.1}, {1.2, 0.05}}) {
     const std::vector<double> noise = blurred_noise(n, {blur, blur, blur}, 6);
-    for (const double sigma : {0.05, 0.1}) {
-      const auto volume = volume_of(lattice_grid(n, body));
-      const VolumeValues values = with_noise(*volume, body, sigma, noise);
-      const SmoothedValues result = smooth_by_noise(*volume, values);
-      ASSERT_EQ(result.smoothing, 1) << blur << ", " << sigma;
-      EXPECT_NEAR(result.noise, sigma, 0.2 * sigma) << blur;
-      EXPECT_LT(rms_where(*volume, result.values.values, body, is_flat), 0.5 * sigma) << blur << ", " << sigma;
-      EXPECT_LT(rms_where(*volume, result.values.values, body, is_curved), 0.8 * sigma) << blur << ", " << sigma;
-      const auto at_border = [](const Vec3& x) { return std::abs(norm(x - kBall) - 0.2) < 0.05; };
-      EXPECT_LT(rms_where(*volume, result.values.values, body, at_border), 1.05 * sigma) << blur << ", " << sigma;
-    }
+    const VolumeValues values = with_noise(*volume, body, sigma, noise);
+    const SmoothedValues result = smooth_by_noise(*volume, values);
+    ASSERT_EQ(result.smoothing, 1) << blur << ", " << sigma;
+    EXPECT_NEAR(result.noise, sigma, 0.2 * sigma) << blur;
+    EXPECT_LT(rms_where(*volume, result.values.values, body, is_flat), 0.5 * sigma) << blur << ", " << sigma;
+    EXPECT_LT(rms_where(*volume, result.values.values, body, is_curved), 0.8 * sigma) << blur << ", " << sigma;
+    const auto at_border = [](const Vec3& x) { return std::abs(norm(x - kBall) - 0.2) < 0.05; };
+    EXPECT_LT(rms_where(*volume, result.values.values, body, at_border), 1.05 * sigma) << blur << ", " << sigma;
   }
 }
 
@@ -155,6 +242,50 @@ TEST(CorrelatedNoise, StructureIsNone) {
     for (std::size_t i = 0; i < form.size(); ++i) parts[i] = std::max(form[i] - 0.8, 0.0);
     check("islands");
   }
+}
+
+TEST(CorrelatedNoise, StructureOfWhichItWouldBeMostIsNone) {
+  // Residuals of normal deviates that do not grow, but without a signal beside them.
+  constexpr std::size_t kSize = 44;
+  const VolumeFunction zero = [](const Vec3&) { return 0.0; };
+  const auto volume = volume_of(lattice_grid({kSize, kSize, kSize}, zero));
+  for (const unsigned seed : {2, 3, 4}) {
+    const auto check = [&](const char* field, const std::vector<double>& f) {
+      const VolumeValues values = with_noise(*volume, zero, 1, f);
+      const SampleNoise noise = noise_in(*volume, values);
+      EXPECT_FALSE(noise.found) << field << ", seed " << seed << ": " << noise.typical[0];
+    };
+    check("waves of 2.9 to 31 samples", random_waves(kSize, 2.9, 31, seed));
+    check("waves of 2.2 to 21 samples", random_waves(kSize, 2.2, 21, seed));
+    check("grains", random_grains(kSize, 3.2, seed));
+    check("value noise", value_noise(kSize, 8, seed));
+  }
+}
+
+TEST(CorrelatedNoise, ItFadesWhereItBecomesMostOfTheData) {
+  const Counts n{40, 40, 40};
+  const VolumeFunction signal = [](const Vec3& x) { return std::sin(5 * x.x) + std::sin(4 * x.y + x.z); };
+  const auto volume = volume_of(lattice_grid(n, signal));
+  const std::vector<double> noise = blurred_noise(n, {0.9, 0.9, 0.9}, 6);
+  const auto used = [&](double share) {  // of the noise, if it has this share of the deviation of the data
+    const VolumeValues clean = with_noise(*volume, signal, 0, noise);
+    double mean = 0, variance = 0;
+    for (const double v : clean.values) mean += v / static_cast<double>(volume->size());
+    for (const double v : clean.values) variance += (v - mean) * (v - mean) / static_cast<double>(volume->size());
+    const double sigma = share * std::sqrt(variance / (1 - share * share));
+    const SampleNoise found = noise_in(*volume, with_noise(*volume, signal, sigma, noise));
+    return found.found ? found.typical[0] / sigma : 0;
+  };
+  EXPECT_NEAR(used(0.1), 1, 0.2);
+  EXPECT_NEAR(used(0.3), 1, 0.2);
+  double last = used(0.36);
+  for (const double share : {0.38, 0.40, 0.42, 0.44, 0.46, 0.48, 0.50, 0.52}) {
+    const double next = used(share);
+    EXPECT_LE(next, last) << share;
+    EXPECT_NEAR(next, last, 0.25) << share;
+    last = next;
+  }
+  EXPECT_EQ(last, 0);
 }
 
 TEST(CorrelatedNoise, EddiesOfAllSizesAreNone) {

@@ -333,6 +333,7 @@ TEST(VolumeNoise, MeansOfMagnitudesAreCorrected) {
   EXPECT_NEAR(noise.rician, sigma, 0.08 * sigma);
   EXPECT_STREQ(noise_of_values(*volume, real, progress).kind(), "white");
   const SmoothedValues result = smooth(*volume, magnitudes);
+  EXPECT_EQ(result.noise, noise.rician);
   const auto mean_error_where = [&](const auto& where) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < volume->size(); ++i) {
@@ -355,14 +356,15 @@ TEST(VolumeNoise, OnlyMagnitudesAreRician) {
   std::mt19937 random(31);
   std::normal_distribution<double> normal;
   for (const double background : {3.66, 8.0}) {
-    VolumeValues counts, offset;
-    counts.name = offset.name = "f";
+    VolumeValues counts, offset, folded;
+    counts.name = offset.name = folded.name = "f";
     for (std::size_t i = 0; i < volume->size(); ++i) {
       const double f = body(volume->position(i));
       counts.values.push_back(std::poisson_distribution<int>(background + 100 * f)(random));
       offset.values.push_back(std::max(background + 40 * f + 1.9 * normal(random), 0.0));
+      folded.values.push_back(std::abs(1.3 + 20 * f + normal(random)));
     }
-    for (const VolumeValues* const values : {&counts, &offset}) {
+    for (const VolumeValues* const values : {&counts, &offset, &folded}) {
       Progress progress;
       EXPECT_STREQ(noise_of_values(*volume, *values, progress).kind(), "white") << background;
     }

@@ -26,7 +26,14 @@ constexpr int kStencilRadius = 2, kInStencil = 5;  // steps, and their square, o
 constexpr double kOpposite = -0.02;                // most correlation of independent residuals at `reach`
 constexpr double kMostOpposite = -0.35;            // least
 constexpr double kUnrelated = 0.2;                 // most beyond, up to four times as far
-constexpr double kGrowth = 0.36;  // exponent of the distance: of noise 0.1 to 0.3, of eddies 0.5 and more
+/// Exponent of the growth of residuals with the distance, between those measured: up to 0.33 of blurred noise, from
+/// 0.42 of eddies of all sizes. The gap is narrow, and other structure may be below, so kMostOfData is asked as well.
+constexpr double kGrowth = 0.36;
+/// Deviation of noise over that of the data: up to the first it is noise beside a signal, from the second nothing shows
+/// that it is not the signal.
+constexpr double kBesideSignal = 0.35, kMostOfData = 0.5;
+/// Normal deviates: range of the hundredths from both ends, in deviations.
+constexpr double kMainRange = 4.653;
 /// Shares of normal deviates beyond 2.5 (0.0124) and within 0.1 (0.0797), with a margin for varying noise.
 constexpr double kTail = 2.5, kLeastTails = 0.003, kMostOfTails = 0.025;
 constexpr double kCentre = 0.1, kLeastCentre = 0.055, kMostCentre = 0.105;
@@ -54,9 +61,9 @@ class SpacedStencil {
     std::array<std::ptrdiff_t, 3> step{};
     std::ptrdiff_t all = 1;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t n = volume.lattice->axes[k].size(), wide = 2 * kStencilRadius * reach[k] + kShortest;
+      const std::size_t n = volume.lattice->axes[k].size();
       size_[k] = n, step[k] = all * static_cast<std::ptrdiff_t>(reach[k]);
-      margin_[k] = n >= wide ? kStencilRadius * reach[k] : 0;
+      margin_[k] = fits(n, reach[k]) ? kStencilRadius * reach[k] : 0;
       all *= static_cast<std::ptrdiff_t>(n);
     }
     const auto radius = [&](std::size_t k) { return margin_[k] > 0 ? kStencilRadius : 0; };
@@ -83,6 +90,8 @@ class SpacedStencil {
     coefficients_.assign(l.begin() + 1, l.end());
   }
 
+  /// Whether an axis of `n` samples has room for neighbours `reach` apart.
+  static bool fits(std::size_t n, std::size_t reach) { return n >= 2 * kStencilRadius * reach + kShortest; }
   /// Whether it predicts along two axes at least.
   bool usable() const { return usable_ && (reaches(0) + reaches(1) + reaches(2) >= 2); }
   /// Whether it has neighbours along this axis.
@@ -149,13 +158,17 @@ class CorrelatedNoiseSearch {
     SampleNoise none;
     none.typical.assign(values_.components, 0.0), none.by_value.resize(values_.components);
     Reach reach{1, 1, 1};
+    std::array<bool, 3> farthest{};  // axes that are too short for more
     while (*std::max_element(reach.begin(), reach.end()) <= kMostReach) {
       const std::optional<SpacedResiduals> residuals = look(reach);
       if (!residuals) return none;
       const std::vector<double> deviations = deviations_of(*residuals);
       Reach next = reach;
       for (std::size_t k = 0; k < 3; ++k)
-        if (const auto r = correlation(*residuals, deviations, k, reach[k]); r && *r > kOpposite) ++next[k];
+        if (const auto r = correlation(*residuals, deviations, k, reach[k]); r && *r > kOpposite && !farthest[k]) {
+          farthest[k] = !SpacedStencil::fits(volume_.lattice->axes[k].size(), reach[k] + 1);
+          if (!farthest[k]) ++next[k];
+        }
       if (next == reach) {
         if (reach == Reach{1, 1, 1}) return none;
         for (std::size_t k = 0; k < 3; ++k)
@@ -164,7 +177,9 @@ class CorrelatedNoiseSearch {
           SampleNoise noise = noise_from(*residuals, reach, deviations);
           noise.found =
               are_normal(*residuals, noise) && end_at_reach(*residuals, noise) && is_above_quanta(*residuals, noise);
-          return noise.found ? noise : none;
+          const double use = use_beside_signal(*residuals, noise);
+          for (double& t : noise.typical) t *= use;
+          return noise.found && use > 0 ? noise : none;
         }
       }
       reach = next;
@@ -204,7 +219,7 @@ class CorrelatedNoiseSearch {
   /// Adds the j-th of evenly distributed segments.
   static void add_segment(const SpacedStencil& stencil, std::size_t axis, std::size_t length, std::size_t j,
                           SpacedResiduals& r) {
-    // Powers of the inverse of the root of x⁴ = x + 1 fill three dimensions evenly.
+    // The R₃ sequence, powers of the inverse of the root of x⁴ = x + 1, fills three dimensions evenly.
     constexpr std::array<double, 3> kShift{0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     std::array<std::size_t, 3> i{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -333,6 +348,26 @@ class CorrelatedNoiseSearch {
       flat.push_back(magnitudes.size() < kFewestPairs ? 0 : median(magnitudes));
     }
     return flat;
+  }
+
+  /// How much of the deviation to use, 0 to 1: structure whose residuals pass for noise has little else. Data deviate
+  /// by their standard deviation, or as normal deviates of their main range, which small bodies in wide surroundings
+  /// widen.
+  double use_beside_signal(const SpacedResiduals& r, const SampleNoise& noise) const {
+    double of_noise = 0, of_data = 0;
+    for (std::size_t m = 0; m < r.components; ++m) {
+      std::vector<double> own;
+      own.reserve(r.sample.size());
+      for (const std::uint32_t i : r.sample)
+        if (filled_.empty() || filled_[i] == 0) own.push_back(values_.values[i * r.components + m]);
+      double mean = 0, variance = 0;
+      for (const double v : own) mean += v / static_cast<double>(own.size());
+      for (const double v : own) variance += (v - mean) * (v - mean) / static_cast<double>(own.size());
+      const double lower = quantile(own, 0.01), range = (quantile(own, 0.99) - lower) / kMainRange;
+      of_noise += noise.typical[m] * noise.typical[m], of_data += std::max(variance, range * range);
+    }
+    if (!(of_data > 0)) return 0;
+    return std::clamp((kMostOfData - std::sqrt(of_noise / of_data)) / (kMostOfData - kBesideSignal), 0.0, 1.0);
   }
 
   bool is_above_quanta(const SpacedResiduals& r, const SampleNoise& noise) const {

@@ -18,6 +18,8 @@ constexpr double kLeastRatio = 1.3, kMostRatio = 2.7;    // mean over deviation 
 constexpr double kLeastBackground = 0.03, kAlike = 0.5;  // share of places, and of those with similar deviation
 constexpr double kSimilar = 0.4;                         // accepted differences of these
 constexpr double kLeastSkewness = 0.42, kMostSkewness = 0.9;
+/// Shares of magnitudes without signal below 0.5, 1 and 2 deviations of a part are 0.118, 0.393 and 0.865.
+constexpr double kMostFromRayleigh = 0.05;
 constexpr double kLeastStrong = 0.75, kMostStrong = 1.35;  // deviation at strong signals over that of a part
 constexpr double kMostTabulated = 12;
 
@@ -44,6 +46,7 @@ std::array<double, 2> scaled_bessel(double x) {
 struct Background {
   double mean = 0, deviation = 0, part = 0;  ///< `part`: deviation of a part, from the mean of squares
   double third = 0;                          ///< third central moment
+  std::array<double, kAround> samples{};
 };
 
 std::vector<Background> look_at_places(const SampledVolume& volume, const VolumeValues& values,
@@ -60,6 +63,7 @@ std::vector<Background> look_at_places(const SampledVolume& volume, const Volume
       const auto size = static_cast<double>(samples.size());
       if (samples.size() < kAround) continue;
       Background& b = places[k];
+      for (std::size_t j = 0; j < kAround; ++j) b.samples[j] = values.values[samples[j]];
       double squares = 0;
       for (const std::uint32_t i : samples) b.mean += values.values[i] / size;
       for (const std::uint32_t i : samples) {
@@ -71,6 +75,18 @@ std::vector<Background> look_at_places(const SampledVolume& volume, const Volume
     }
   });
   return places;
+}
+
+/// Whether magnitudes at these places have the shares below some bounds that those without signal have.
+bool are_rayleigh(const std::vector<Background>& places, double part) {
+  for (const double bound : {0.5, 1.0, 2.0}) {
+    std::ptrdiff_t below = 0;
+    for (const Background& b : places)
+      below += std::count_if(b.samples.begin(), b.samples.end(), [&](double v) { return v < bound * part; });
+    const double share = static_cast<double>(below) / static_cast<double>(places.size() * kAround);
+    if (std::abs(share - (1 - std::exp(-bound * bound / 2))) > kMostFromRayleigh) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -97,6 +113,7 @@ double rician_deviation(const SampledVolume& volume, const VolumeValues& values,
   const auto count = static_cast<double>(places.size());
   const double part = std::sqrt(squares / count), skewness = third / count / std::pow(variance / count, 1.5);
   if (skewness < kLeastSkewness || skewness > kMostSkewness) return 0;
+  if (!are_rayleigh(places, part)) return 0;
   std::vector<double> sorted = values.values;
   const double strong = nth_smallest(sorted, sorted.size() - 1 - sorted.size() / 50);
   const double there = noise.typical[0] * noise.by_value[0].at(strong) / part;

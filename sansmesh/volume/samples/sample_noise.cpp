@@ -178,6 +178,10 @@ bool SampleNoise::varies() const {
          std::any_of(by_value.begin(), by_value.end(), [](const NoiseByValue& v) { return !v.empty(); });
 }
 
+double SampleNoise::deviation() const {
+  return rician > 0 ? rician : *std::max_element(typical.begin(), typical.end());
+}
+
 SampleNoise SampleNoise::scaled(double factor) const {
   SampleNoise result = *this;
   for (double& t : result.typical) t *= factor;

@@ -30,6 +30,8 @@ struct SampleNoise {
   /// "white", "correlated" or "Rician"; empty if none was found.
   const char* kind() const;
   bool varies() const;
+  /// The deviation to report: of the component with most, or of the parts of magnitudes.
+  double deviation() const;
   /// Deviation of a component where it has this value.
   double at(std::size_t component, double value, const Vec3& position) const {
     return typical[component] * by_value[component].at(value) * by_place.at(position);
