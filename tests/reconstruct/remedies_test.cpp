@@ -319,8 +319,8 @@ TEST(Remedies, NoSourceBypassesTheTable) {
       const std::string name = entry.path().filename().string();
       if (entry.is_regular_file() && name != "remedies.h" && name != "mesh_csg.cpp") check(entry.path());
     }
-  for (const char* job : {"meshes/curvature", "surfaces/diagnose", "surfaces/fit_function",
-                          "surfaces/mesh_of_function", "surfaces/project"})
+  for (const char* job : {"meshes/curvature", "surfaces/diagnose", "surfaces/fit_function", "surfaces/mesh_of_function",
+                          "surfaces/project"})
     check(test::source_file(std::string("sansmesh/jobs/") + job + ".cpp"));
   EXPECT_GT(sources, 100u);
 }

@@ -402,7 +402,8 @@ TEST(LatticeField, RangesOfCubicsContainAllValues) {
         const Vec3 size = whole.size();
         for (int part = 1; part < 6; ++part)
           for (int k = 0; k < 8; ++k) {
-            const Vec3 edge = size * (1.0 / part), at{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)};
+            const Vec3 edge = size * (1.0 / part),
+                       at{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)};
             Box3 box;
             box.lower =
                 whole.lower + Vec3{at.x * (size.x - edge.x), at.y * (size.y - edge.y), at.z * (size.z - edge.z)};

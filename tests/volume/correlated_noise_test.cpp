@@ -268,7 +268,8 @@ TEST(CorrelatedNoise, ItFadesWhereItBecomesMostOfTheData) {
   const VolumeFunction signal = [](const Vec3& x) { return std::sin(5 * x.x) + std::sin(4 * x.y + x.z); };
   const auto volume = volume_of(lattice_grid(n, signal));
   const std::vector<double> noise = blurred_noise(n, {0.9, 0.9, 0.9}, 6);
-  const auto used = [&](double share) {  // of the noise, if it has this share of the deviation of the data
+  // The deviation that is found, where the noise has a share of the deviation of the data.
+  const auto used = [&](double share) {
     const VolumeValues clean = with_noise(*volume, signal, 0, noise);
     double mean = 0, variance = 0;
     for (const double v : clean.values) mean += v / static_cast<double>(volume->size());
