@@ -23,7 +23,8 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// Place of a sample in a cube of n³, in samples.
 Vec3 lattice_place(std::size_t i, std::size_t n) {
-  return {static_cast<double>(i % n), static_cast<double>(i / n % n), static_cast<double>(i / (n * n))};
+  const std::size_t rows = i / n, layer = rows / n;
+  return {static_cast<double>(i % n), static_cast<double>(rows % n), static_cast<double>(layer)};
 }
 
 /// White noise of a periodic lattice, blurred by Gaussians with these deviations (samples) along the axes, of mean 0
@@ -100,8 +101,8 @@ std::vector<double> random_grains(std::size_t n, double width, unsigned seed) {
   std::vector<Vec3> points;
   std::vector<double> grains;
   for (std::ptrdiff_t c = 0; c < side * side * side; ++c) {
-    const Vec3 cell{static_cast<double>(c % side), static_cast<double>(c / side % side),
-                    static_cast<double>(c / (side * side))};
+    const std::ptrdiff_t rows = c / side, layer = rows / side;
+    const Vec3 cell{static_cast<double>(c % side), static_cast<double>(rows % side), static_cast<double>(layer)};
     points.push_back((cell + Vec3{share(random), share(random), share(random)} - Vec3{1, 1, 1}) * width);
     grains.push_back(normal(random));
   }
