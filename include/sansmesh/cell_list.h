@@ -89,7 +89,7 @@ struct HigherOrderCells {
 
   /// Number of cells of higher order.
   std::size_t size() const { return kinds.size(); }
-  /// Whether there are no cells of higher order.
+  /// True if there are no cells of higher order.
   bool empty() const { return kinds.empty(); }
   /// Nodes of a cell. Valid until the list changes.
   std::span<const std::uint32_t> operator[](std::size_t cell) const {

@@ -189,7 +189,7 @@ class TileMeans {
         if (x < tile_.right && y < tile_.bottom) map_.at(x, y) = sum_of(corners(c, u, v, 0.75f), 1, bulge, 2.0f / 3);
       }
   }
-  /// Whether a pixel's centre differs from the interpolated light by more than kSurprise.
+  /// True if the light at a pixel's centre differs from the interpolated one by more than kSurprise.
   bool surprises(const PictureCell& c) const {
     const Light bulge = sum_of(middle(c), 1, corners(c), -1);
     for (const int v : {0, 1})

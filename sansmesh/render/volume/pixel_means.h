@@ -20,7 +20,8 @@ struct PixelTile {
 };
 
 struct PixelMeanOptions {
-  /// Where the picture is not smooth pixels have at least 0.8 samples² rays; 1: only their centres.
+  /// Rays per pixel and direction: pixels where the picture is not smooth get at least 0.8 samples² rays. With 1 each
+  /// pixel has the ray through its centre only.
   int samples = 3;
   /// Estimated error of a pixel's mean in levels of 255 above which it is divided; 0: all are divided.
   double error = 0.4;

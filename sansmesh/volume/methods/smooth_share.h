@@ -29,7 +29,7 @@ class SmoothShare {
   /// 1 − trust, but for a hundredth.
   static float doubt_of(float trust);
   float doubt(std::size_t sample) const { return doubts_[sample]; }
-  /// Whether one of the samples has a doubt.
+  /// True if the polynomial of one of the samples is doubted.
   bool any(std::span<const std::uint32_t> samples) const;
 
  private:

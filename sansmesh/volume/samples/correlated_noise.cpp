@@ -90,11 +90,11 @@ class SpacedStencil {
     coefficients_.assign(l.begin() + 1, l.end());
   }
 
-  /// Whether an axis of `n` samples has room for neighbours `reach` apart.
+  /// True if an axis of `n` samples has room for neighbours `reach` apart.
   static bool fits(std::size_t n, std::size_t reach) { return n >= 2 * kStencilRadius * reach + kShortest; }
-  /// Whether it predicts along two axes at least.
+  /// True if neighbours along at least two axes predict a sample stably.
   bool usable() const { return usable_ && (reaches(0) + reaches(1) + reaches(2) >= 2); }
-  /// Whether it has neighbours along this axis.
+  /// True if there are neighbours along this axis.
   bool reaches(std::size_t axis) const { return margin_[axis] > 0; }
   std::size_t margin(std::size_t axis) const { return margin_[axis]; }
   /// Number of samples along an axis that have all neighbours.
@@ -154,9 +154,8 @@ class CorrelatedNoiseSearch {
     for (const std::uint32_t i : values.filled) filled_[i] = 1;
   }
 
-  SampleNoise find() {
-    SampleNoise none;
-    none.typical.assign(values_.components, 0.0), none.by_value.resize(values_.components);
+  /// `none` without correlated noise.
+  SampleNoise find(SampleNoise none) {
     Reach reach{1, 1, 1};
     std::array<bool, 3> farthest{};  // axes that are too short for more
     while (*std::max_element(reach.begin(), reach.end()) <= kMostReach) {
@@ -280,7 +279,7 @@ class CorrelatedNoiseSearch {
     return noise;
   }
 
-  /// Whether the residuals, in deviations of the noise, have the shares of normal deviates.
+  /// True if the residuals, in deviations of the noise, have the shares of normal deviates.
   bool are_normal(const SpacedResiduals& r, const SampleNoise& noise) const {
     double all = 0, tails = 0, centre = 0;
     for (std::size_t i = 0; i < r.residual.size(); ++i) {
@@ -295,7 +294,7 @@ class CorrelatedNoiseSearch {
            centre <= kMostCentre * all;
   }
 
-  /// Whether residuals are unrelated from `reach` on. Those of waves are not.
+  /// True if residuals are unrelated from `reach` on. Those of waves are not.
   bool end_at_reach(const SpacedResiduals& r, const SampleNoise& noise) const {
     for (std::size_t k = 0; k < 3; ++k) {
       if (const auto own = correlation(r, noise.typical, k, noise.reach[k]); own && *own < kMostOpposite) return false;
@@ -306,7 +305,7 @@ class CorrelatedNoiseSearch {
     return true;
   }
 
-  /// Whether residuals are hardly larger at greater distances: one step more or half as far again. Those of structure
+  /// True if residuals are hardly larger at greater distances: one step more or half as far again. Those of structure
   /// are at both, and those of curved parts at the greater.
   bool does_not_grow(const SpacedResiduals& r, const Reach& reach, const Reach& next) const {
     Reach farther = reach;
@@ -350,9 +349,9 @@ class CorrelatedNoiseSearch {
     return flat;
   }
 
-  /// How much of the deviation to use, 0 to 1: structure whose residuals pass for noise has little else. Data deviate
-  /// by their standard deviation, or as normal deviates of their main range, which small bodies in wide surroundings
-  /// widen.
+  /// The share of the deviation that counts as noise, 0 to 1: structure whose residuals pass for noise has little else.
+  /// Data deviate by their standard deviation, or as normal deviates of their main range, which small bodies in wide
+  /// surroundings widen.
   double use_beside_signal(const SpacedResiduals& r, const SampleNoise& noise) const {
     double of_noise = 0, of_data = 0;
     for (std::size_t m = 0; m < r.components; ++m) {
@@ -393,7 +392,7 @@ SampleNoise estimate_correlated_noise(const SampledVolume& volume, const VolumeV
   none.typical.assign(values.components, 0.0), none.by_value.resize(values.components);
   if (!volume.lattice) return none;
   progress.begin("look at correlated noise");
-  return CorrelatedNoiseSearch(volume, values).find();
+  return CorrelatedNoiseSearch(volume, values).find(std::move(none));
 }
 
 }  // namespace sansmesh::inline v1

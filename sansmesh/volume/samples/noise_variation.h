@@ -42,11 +42,11 @@ struct ResidualPair {
   std::uint32_t first = 0, second = 0;
 };
 
-/// Whether numbers are those of both sides of a step, whatever the noise: two groups explain most of their variance. Of
+/// True if numbers are those of both sides of a step, whatever the noise: two groups explain most of their variance. Of
 /// normal deviates they explain 0.64, of a slope 0.75, of a step of six deviations 0.9. Sorts them.
 bool are_two_groups(std::vector<double>& numbers);
 
-/// Whether noise of values like these is more than rounding to multiples of their smallest difference, as to integers.
+/// True if noise of values like these is more than rounding to multiples of their smallest difference, as to integers.
 bool is_above_rounding(double deviation, std::vector<double> values);
 
 /// Deviation of normal deviates with other, larger numbers among them: the variance of those within 2.5 deviations.

@@ -25,7 +25,7 @@ struct SampleNoise {
   double rician = 0;       ///< deviation of the parts of magnitudes (rician_noise.h); 0 for other noise
   double correlation = 0;  ///< mean of 2ab / (a² + b²) of residuals a, b of neighbours
 
-  /// Whether neighbouring samples share noise.
+  /// True if neighbouring samples share noise.
   bool correlated() const { return reach != std::array<std::size_t, 3>{1, 1, 1}; }
   /// "white", "correlated" or "Rician"; empty if none was found.
   const char* kind() const;
